@@ -304,6 +304,7 @@ pub(crate) fn model() -> Model<'static> {
         several: Several::new(),
         repairs: Repairs::new(),
         sequence: Sequence::new(),
+        distances: Distances::new(),
         apart: Apart::new(),
         ordinals: Ordinals::new(),
         arrangements: Arrangements::new(),
@@ -489,6 +490,32 @@ pub(crate) fn with_compounds() -> Model<'static> {
         .with_first_words(&["by", "close", "diagonally", "past", "what"])
         .with_sides(&["leftwards", "perhaps"]);
     let model = model.with_compounds(compounds);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
+/// [`with_compounds`], with distances beside what is put.
+pub(crate) fn with_distances() -> Model<'static> {
+    let units = [("cm", 10.0), ("inches", 25.4), ("mm", 1.0)];
+    let units = units.map(|(text, mm)| DistanceUnit { text, mm });
+    let numbers = [
+        ("a", 1.0),
+        ("half a", 0.5),
+        ("one and a half", 1.5),
+        ("two", 2.0),
+    ];
+    let numbers = numbers.map(|(text, value)| DistanceNumber { text, value });
+    let distances = Distances::new()
+        .with_sides(&[1])
+        .with_units(Box::leak(Box::new(units)))
+        .with_numbers(Box::leak(Box::new(numbers)))
+        .with_before(&["about", "at a distance of", "by"])
+        .with_behind(&["away"])
+        .with_from(&["away from", "from"])
+        .with_beside("past")
+        .with_unless(&["the"])
+        .with_usual_mm(20);
+    let model = with_compounds().with_distances(distances);
     assert_eq!(model.check(), Ok(()));
     model
 }

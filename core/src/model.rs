@@ -16,6 +16,7 @@
 mod builder;
 mod check;
 mod compound;
+mod distance;
 mod embeddings;
 mod ordinal;
 mod repair;
@@ -24,6 +25,7 @@ mod table;
 
 pub use check::ModelFault;
 pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
+pub use distance::{DistanceNumber, DistanceUnit, Distances};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
@@ -98,6 +100,8 @@ pub struct Model<'a> {
     pub repairs: Repairs<'a>,
     /// In which order steps are carried out that are said in another one.
     pub sequence: Sequence<'a>,
+    /// How far from the reference an object is put.
+    pub distances: Distances<'a>,
     /// What stands between values of one object.
     pub apart: Apart<'a>,
     /// How is counted from one side.

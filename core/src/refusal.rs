@@ -189,6 +189,13 @@ pub enum Refusal {
         /// Id of the object to move.
         object: u32,
     },
+    /// A distance is named from an object of which too little is seen: where it is, is not certain enough.
+    HiddenReference {
+        /// Which step.
+        step: u8,
+        /// Id of the reference.
+        object: u32,
+    },
     /// A network's result is infinite or NaN.
     NotFinite {
         /// Which step.
@@ -428,6 +435,7 @@ kinds! {
     Self::OnlyOnTable { .. } => "only_on_table",
     Self::AlreadyOnTable { .. } => "already_on_table",
     Self::NoRoomOnTable { .. } => "no_room_on_table",
+    Self::HiddenReference { .. } => "hidden_reference",
 }
 
 impl core::error::Error for Refusal {}

@@ -120,6 +120,26 @@ impl<'m> Viewpoint<'m> {
         self.project(&place, width_m, height_m, to)
     }
 
+    /// A location in the image of the training's camera, if the object is shifted along the table.
+    ///
+    /// * `x_m`, `y_m`: by how much, in the world
+    ///
+    /// Cost: a deprojection, a projection and two square roots.
+    pub(crate) fn shifted(
+        &self,
+        location: &[f32; LOCATION],
+        x_m: f32,
+        y_m: f32,
+    ) -> [f32; LOCATION] {
+        let view = &self.training;
+        let deprojected = view.camera.deproject(location);
+        let [_, _, _, width_m, height_m, _] = deprojected;
+        let place = view.world_from_camera * Camera::centre(self.map, &deprojected);
+        let to = Point3::new(place.x + x_m, place.y + y_m, place.z);
+        let height_m = height_m / view.share_of_height(&place) * view.share_of_height(&to);
+        self.project(&to, width_m, height_m, view)
+    }
+
     /// The location of a box in the image of a camera.
     ///
     /// * `place`: of its centre, in the world

@@ -214,6 +214,8 @@ typedef struct nsrm_step_message {
     uint32_t reference_relation_count;
     /** Those relations. */
     nsrm_relation_message reference_relations[2];
+    /** The distance between the faces of the two, millimetres; 0 where the sentence names none. */
+    uint32_t distance_mm;
     /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
      *  0. */
     uint32_t object_id;
@@ -234,8 +236,8 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.efbad8f1abdc34da"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 212, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.e45d9d560755ab3a"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 216, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
@@ -248,14 +250,15 @@ NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 64, "offset of reference")
 NSRM_ASSERT(offsetof(nsrm_step_message, reference_which) == 68, "offset of reference_which");
 NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 72, "offset of reference_relation_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 76, "offset of reference_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 116, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 120, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 124, "offset of object_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 128, "offset of reference_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 132, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 164, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 176, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 192, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, distance_mm) == 116, "offset of distance_mm");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 120, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 124, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 128, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 132, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 136, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 168, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 180, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 196, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -287,8 +290,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.45eea5f5d2d49f37"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2776, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.68b12293f6f4fb08"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2808, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");
@@ -569,7 +572,8 @@ enum nsrm_reason {
     NSRM_REASON_ONLY_ON_TABLE = 43,
     NSRM_REASON_ALREADY_ON_TABLE = 44,
     NSRM_REASON_NO_ROOM_ON_TABLE = 45,
-    NSRM_REASON_OTHER = 46,
+    NSRM_REASON_HIDDEN_REFERENCE = 46,
+    NSRM_REASON_OTHER = 47,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

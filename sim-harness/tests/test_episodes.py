@@ -287,6 +287,7 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
         "paper/tables/failures.py",
         "data/extremes.py",
         "data/compounds.py",
+        "data/distances.py",
         "data/on_table.py",
         "data/ordinals.py",
         "data/relations.py",

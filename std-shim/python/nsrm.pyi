@@ -181,6 +181,9 @@ class Step:
     def object(self) -> Described: ...
     @property
     def reference(self) -> Described: ...
+    @property
+    def distance_mm(self) -> int | None:
+        """The distance between the faces of the two; None where the sentence names none."""
 
 @final
 class Correction:
@@ -218,6 +221,9 @@ class PlannedStep:
     def object(self) -> Described: ...
     @property
     def reference(self) -> Described: ...
+    @property
+    def distance_mm(self) -> int | None:
+        """The distance between the faces of the two; None where the sentence names none."""
     @property
     def object_id(self) -> int: ...
     @property

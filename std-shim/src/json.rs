@@ -15,6 +15,7 @@ use serde_json::{Map, Value, json};
 use crate::dialogue::{Choice, Question};
 
 /// `{"steps": [{"action": "MoveOn", "object": ["red"], "reference": ["blue"]}], "corrections": […]}`,
+/// with a `distance_mm` of the steps that name one,
 /// these as in [`corrections`], and descriptions as in [`description`].
 pub fn parsed(model: &Model<'_>, parsed: &Parsed, sentence: &str) -> Value {
     let steps = parsed.program().steps().iter().map(|s| step(model, s));
@@ -221,7 +222,8 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
         }),
         Refusal::SameObject { step, object }
         | Refusal::AlreadyOnTable { step, object }
-        | Refusal::NoRoomOnTable { step, object } => {
+        | Refusal::NoRoomOnTable { step, object }
+        | Refusal::HiddenReference { step, object } => {
             json!({"step": step, "object_id": object})
         }
         Refusal::OutsideTrainingView {
@@ -336,11 +338,15 @@ fn words(span: Span, sentence: &str) -> Value {
 }
 
 fn step(model: &Model<'_>, step: &Step) -> Value {
-    json!({
+    let mut said = json!({
         "action": action_name(model, step.action),
         "object": description(model, &step.object),
         "reference": description(model, &step.reference),
-    })
+    });
+    if let Some(mm) = step.distance_mm {
+        said["distance_mm"] = mm.get().into();
+    }
+    said
 }
 
 fn planned_step(step: &PlannedStep) -> Map<String, Value> {

@@ -15,11 +15,11 @@
 
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, ENCODER_HIDDEN, Embeddings,
-    HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED,
-    Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera, Pronoun, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Table, Thresholds, VIEW_EMBEDDING,
-    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, DistanceUnit, Distances,
+    ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language,
+    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera,
+    Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Table,
+    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Linear, MergeConv, PatchConv};
 use nsrm_core::scene::ObservedObject;
@@ -67,6 +67,8 @@ pub struct Parts {
     pub pronouns: Vec<Pronoun>,
     /// See [`Model::table`]; none.
     pub table: Table<'static>,
+    /// See [`Model::distances`]; none.
+    pub distances: Distances<'static>,
     /// See [`Model::attributes`].
     pub attributes: Vec<Attribute<'static>>,
     /// See [`Model::concepts`].
@@ -109,6 +111,7 @@ impl Parts {
             lexicon: Vec::new(),
             pronouns: Vec::new(),
             table: Table::new(),
+            distances: Distances::new(),
             attributes: vec![
                 attribute("color", View::Color, 0),
                 attribute("size", View::Brightness, 3),
@@ -211,6 +214,15 @@ impl Parts {
             .with_relation("on the");
     }
 
+    /// Adds distances, `mm`.
+    pub fn add_distances(&mut self) {
+        const UNITS: [DistanceUnit<'_>; 1] = [DistanceUnit::new().with_text("mm").with_mm(1.0)];
+        self.distances = Distances::new()
+            .with_sides(&[1])
+            .with_units(&UNITS)
+            .with_usual_mm(20);
+    }
+
     /// Removes a word that is no pronoun.
     ///
     /// # Panics
@@ -257,6 +269,7 @@ impl Parts {
             .with_lexicon(&self.lexicon)
             .with_pronouns(&self.pronouns)
             .with_table(self.table)
+            .with_distances(self.distances)
             .with_attributes(&self.attributes)
             .with_concepts(&self.concepts)
             .with_actions(&self.actions)

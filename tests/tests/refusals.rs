@@ -332,6 +332,19 @@ fn object_cases() -> Vec<Case> {
                 "no free place on the table is in sight for object 1",
             )
         },
+        Case {
+            spoil: Parts::add_distances,
+            // On the blue one.
+            disturb: |scene| {
+                scene.objects[1].location = scene.objects[2].location;
+                scene.objects[1].location[4] -= EDGES_M[2];
+            },
+            ..said(
+                "put the small red block 20 mm beside the blue block",
+                |refusal| *refusal == Refusal::HiddenReference { step: 0, object: 3 },
+                "hide too much of object 3 to measure a distance from it",
+            )
+        },
         said(
             "put the blue block on the red block",
             |refusal| {

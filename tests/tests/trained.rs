@@ -34,8 +34,25 @@ const EXECUTED: [(&str, &[u32]); 8] = [
 ];
 
 /// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
-/// and rows, what is taken back, steps in another order, and their programs.
-const PARSED: [(&str, &str); 39] = [
+/// and rows, what is taken back, steps in another order, distances, and their programs.
+const PARSED: [(&str, &str); 43] = [
+    (
+        "put the red block two centimetres to the left of the blue one",
+        "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())), Distance(0.020))",
+    ),
+    (
+        "put red behind blue, with a gap of 3 cm, and the green one an inch away from it",
+        "Action(MoveBehind, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())), Distance(0.030))\n\
+         Action(MoveNextTo, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())), Distance(0.025))",
+    ),
+    (
+        "move the red block 5cm away from the blue one, to its right",
+        "Action(MoveRight, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())), Distance(0.050))",
+    ),
+    (
+        "put all red blocks 10 mm left of the blue one",
+        "Action(MoveLeft, All(Filter(red, Scene())), Unique(Filter(blue, Scene())), Distance(0.010))",
+    ),
     (
         "put the big red block on the large blue one",
         "Action(MoveOn, Unique(Filter(lego, Filter(red, Scene()))), \
@@ -329,6 +346,15 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
             "do not put the red block on the blue one",
             "\"not\" is only understood between two descriptions, as in \"the … not the …\", with the \
              same words before both; say only what you mean",
+        ),
+        (
+            "put the 4cm block on the blue one",
+            "\"4cm\" is only understood in a distance from another object, as in \"2 cm to the left of the …\"; \
+             say only how far apart the two should be",
+        ),
+        (
+            "put the two centimetres red block left of the blue one",
+            "\"two\" is only understood in a distance from another object",
         ),
         (
             "After you put the red block on the blue one, stop",

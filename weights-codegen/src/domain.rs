@@ -1,6 +1,7 @@
 //! The domain in the model file, and its checks.
 
 mod compounds;
+mod distances;
 mod ordinals;
 mod rewriting;
 
@@ -14,6 +15,7 @@ use crate::error::ModelError;
 
 pub(crate) use compounds::Compound;
 use compounds::Compounds;
+pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
 use rewriting::{Apart, Repairs, Sequence, Table};
@@ -64,6 +66,9 @@ pub struct Domain {
     /// In which order steps are carried out that are said in another one.
     #[serde(default)]
     pub sequence: Sequence,
+    /// How far from the reference an object is put.
+    #[serde(default)]
+    pub distances: Option<Distances>,
     /// What stands between values of one object.
     #[serde(default)]
     pub apart: Apart,
@@ -327,6 +332,7 @@ impl Domain {
                 self.check_several()?;
                 self.check_repairs()?;
                 self.check_sequence()?;
+                self.check_distances()?;
                 self.check_ordinals()?;
                 self.check_arrangements()?;
                 self.check_table()?;

@@ -139,6 +139,26 @@ pub enum ModelError {
         /// The words.
         text: String,
     },
+    /// A unit of length, or a number in words, is not positive.
+    #[error("domain: distances: {text:?} must be a positive number")]
+    Length {
+        /// The words.
+        text: String,
+    },
+    /// A side is no action of the domain.
+    #[error(
+        "domain: distances.sides: no action {name:?}; name actions that put an object beside another one"
+    )]
+    DistanceSide {
+        /// The name.
+        name: String,
+    },
+    /// What is read where a distance has no side is no word of the domain.
+    #[error("domain: distances: {word:?} is not a word of the domain; add it to the grammar")]
+    DistanceWord {
+        /// The word.
+        word: String,
+    },
     /// What is counted from is no extreme of the domain.
     #[error("domain: ordinals: {name:?} has no words in extremes; name one that has")]
     CountedFrom {

@@ -1,5 +1,6 @@
 //! A model that owns its parameters and texts.
 
+mod distances;
 mod rewriting;
 
 use nsrm_core::model::{
@@ -19,6 +20,7 @@ use crate::hash;
 use crate::metadata::{self, Metadata};
 use crate::rounded::Rounded;
 use crate::tensors::Tensors;
+use distances::DistanceParts;
 use rewriting::{ArrangementParts, CompoundParts, OrdinalParts, SequenceParts, TableParts};
 
 /// A model read from a safetensors file, checked and folded.
@@ -56,6 +58,7 @@ struct Parts<'a> {
     plurals: Vec<Plural<'a>>,
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
+    distances: DistanceParts<'a>,
     apart: [Vec<&'a str>; 2],
     ordinals: OrdinalParts<'a>,
     arrangements: ArrangementParts<'a>,
@@ -169,6 +172,7 @@ impl OwnedModel {
                     .with_exclusions(&parts.repairs[1]),
             )
             .with_sequence(parts.sequence.lent())
+            .with_distances(parts.distances.lent())
             .with_apart(
                 Apart::new()
                     .with_between(&parts.apart[0])
@@ -262,6 +266,7 @@ impl<'a> Parts<'a> {
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             sequence: SequenceParts::new(domain),
+            distances: DistanceParts::new(domain)?,
             apart: [&domain.apart.between, &domain.apart.phrases]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             ordinals: OrdinalParts::new(domain, &owner.ranked)?,

@@ -1,11 +1,14 @@
 //! The statics of a model, in the order in which they are written.
 
+mod rewriting;
+
 use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
-    Count, CountedFrom, Embeddings, Header, Heard, Int8WordEmbeddings, LexiconEntry, Model,
-    Opening, PixelToCamera, Plural, Pronoun, Ranked, SPLITTER_HIDDEN, SequenceText, Simulator,
-    Superlative, Thresholds, ViewEncoder, Word, WordEmbeddings, WorkSpace,
+    Count, CountedFrom, DistanceNumber, DistanceUnit, Embeddings, Header, Heard,
+    Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Ranked,
+    SPLITTER_HIDDEN, SequenceText, Simulator, Superlative, Thresholds, ViewEncoder, Word,
+    WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense};
 
@@ -41,6 +44,8 @@ describe! {
     Count<'_> { text, rank }
     CountedFrom<'_> { text, extreme, is_first }
     SequenceText<'_> { text, read_as, is_afterthought }
+    DistanceUnit<'_> { text, mm }
+    DistanceNumber<'_> { text, value }
     Arrangement<'_> { order, relation, is_reversed }
     Opening<'_> { text, pattern }
     Closing<'_> { text, pattern, arrangement }
@@ -60,174 +65,85 @@ describe! {
 /// The model itself: the header, and references to [`statics`].
 pub(crate) fn model_record(model: &Model<'_>) -> Node {
     let language = &model.language;
-    Node::record(
-        "Model",
-        [
-            ("header", model.header.describe()),
-            ("words", Node::Reference("WORDS")),
-            ("embeddings", embeddings(&model.embeddings).0),
-            ("lexicon", Node::Reference("LEXICON")),
-            ("pronouns", Node::Reference("PRONOUNS")),
-            (
-                "several",
-                Node::record(
-                    "Several",
-                    [
-                        ("between", Node::Reference("BETWEEN")),
-                        ("plurals", Node::Reference("PLURALS")),
-                    ],
-                ),
+    let mut fields = vec![
+        ("header", model.header.describe()),
+        ("words", Node::Reference("WORDS")),
+        ("embeddings", embeddings(&model.embeddings).0),
+        ("lexicon", Node::Reference("LEXICON")),
+        ("pronouns", Node::Reference("PRONOUNS")),
+    ];
+    fields.extend(rewriting::records(model));
+    fields.extend([
+        (
+            "spelling",
+            Node::record(
+                "Spelling",
+                [
+                    ("heard", Node::Reference("HEARD")),
+                    ("other_words", Node::Reference("OTHER_WORDS")),
+                ],
             ),
-            (
-                "repairs",
-                Node::record(
-                    "Repairs",
-                    [
-                        ("corrections", Node::Reference("REPAIRS_CORRECTIONS")),
-                        ("exclusions", Node::Reference("REPAIRS_EXCLUSIONS")),
-                    ],
-                ),
+        ),
+        ("attributes", Node::Reference("ATTRIBUTES")),
+        ("concepts", Node::Reference("CONCEPTS")),
+        ("actions", Node::Reference("ACTIONS")),
+        (
+            "compounds",
+            Node::record(
+                "Compounds",
+                [
+                    ("compounds", Node::Reference("COMPOUNDS")),
+                    ("said", Node::Reference("COMPOUND_TEXTS")),
+                    ("first_words", Node::Reference("FIRST_WORDS")),
+                    ("sides", Node::Reference("SIDES")),
+                ],
             ),
-            (
-                "sequence",
-                Node::record(
-                    "Sequence",
-                    [
-                        ("later", Node::Reference("SEQUENCE_LATER")),
-                        ("earlier", Node::Reference("SEQUENCE_EARLIER")),
-                        ("first_words", Node::Reference("SEQUENCE_FIRST_WORDS")),
-                        ("next", model.sequence.next.describe()),
-                    ],
-                ),
+        ),
+        (
+            "language",
+            Node::record(
+                "Language",
+                [
+                    ("forward", cell_variant(&language.forward, "FORWARD")),
+                    ("backward", cell_variant(&language.backward, "BACKWARD")),
+                    (
+                        "object_decoder",
+                        dense_variant(&language.object_decoder, "OBJECT_DECODER"),
+                    ),
+                    (
+                        "reference_decoder",
+                        dense_variant(&language.reference_decoder, "REFERENCE_DECODER"),
+                    ),
+                    (
+                        "acceptability_hidden",
+                        dense_variant(&language.acceptability_hidden, "ACCEPTABILITY_HIDDEN"),
+                    ),
+                    ("acceptability", Node::Reference("ACCEPTABILITY")),
+                    ("nearest", Node::Reference("NEAREST")),
+                    ("farthest", Node::Reference("FARTHEST")),
+                    ("splitter", cell_variant(&language.splitter, "SPLITTER")),
+                    (
+                        "hazard_hidden",
+                        dense_variant(&language.hazard_hidden, "HAZARD_HIDDEN"),
+                    ),
+                    ("hazard", Node::Reference("HAZARD")),
+                ],
             ),
-            (
-                "apart",
-                Node::record(
-                    "Apart",
-                    [
-                        ("between", Node::Reference("APART_BETWEEN")),
-                        ("phrases", Node::Reference("APART_PHRASES")),
-                    ],
-                ),
+        ),
+        (
+            "vision",
+            Node::record(
+                "Vision",
+                [
+                    ("color", Node::Reference("COLOR")),
+                    ("brightness", Node::Reference("BRIGHTNESS")),
+                ],
             ),
-            (
-                "ordinals",
-                Node::record(
-                    "Ordinals",
-                    [
-                        ("ranked", Node::Reference("RANKED")),
-                        ("counts", Node::Reference("COUNTS")),
-                        ("from", Node::Reference("COUNTED_FROM")),
-                        ("first_words", Node::Reference("COUNTED_FIRST_WORDS")),
-                        ("articles", Node::Reference("COUNTED_ARTICLES")),
-                        ("nouns", Node::Reference("COUNTED_NOUNS")),
-                        ("unless", Node::Reference("NOT_COUNTED")),
-                    ],
-                ),
-            ),
-            (
-                "arrangements",
-                Node::record(
-                    "Arrangements",
-                    [
-                        ("between", Node::Reference("LIST_BETWEEN")),
-                        ("ends", Node::Reference("LIST_ENDS")),
-                        ("next", model.arrangements.next.describe()),
-                        ("arrangements", Node::Reference("ARRANGEMENTS")),
-                        ("openings", Node::Reference("OPENINGS")),
-                        ("closings", Node::Reference("CLOSINGS")),
-                    ],
-                ),
-            ),
-            (
-                "table",
-                Node::record(
-                    "Table",
-                    [
-                        ("action", model.table.action.describe()),
-                        ("sides", Node::Reference("TABLE_SIDES")),
-                        ("off", Node::Reference("TABLE_OFF")),
-                        ("sources", Node::Reference("TABLE_SOURCES")),
-                        ("unless", Node::Reference("TABLE_UNLESS")),
-                        ("removing", Node::Reference("TABLE_REMOVING")),
-                        ("taking", model.table.taking.describe()),
-                        ("standing", model.table.standing.describe()),
-                        ("order", model.table.order.describe()),
-                        ("down", Node::Reference("TABLE_DOWN")),
-                        ("relation", model.table.relation.describe()),
-                    ],
-                ),
-            ),
-            (
-                "spelling",
-                Node::record(
-                    "Spelling",
-                    [
-                        ("heard", Node::Reference("HEARD")),
-                        ("other_words", Node::Reference("OTHER_WORDS")),
-                    ],
-                ),
-            ),
-            ("attributes", Node::Reference("ATTRIBUTES")),
-            ("concepts", Node::Reference("CONCEPTS")),
-            ("actions", Node::Reference("ACTIONS")),
-            (
-                "compounds",
-                Node::record(
-                    "Compounds",
-                    [
-                        ("compounds", Node::Reference("COMPOUNDS")),
-                        ("said", Node::Reference("COMPOUND_TEXTS")),
-                        ("first_words", Node::Reference("FIRST_WORDS")),
-                        ("sides", Node::Reference("SIDES")),
-                    ],
-                ),
-            ),
-            (
-                "language",
-                Node::record(
-                    "Language",
-                    [
-                        ("forward", cell_variant(&language.forward, "FORWARD")),
-                        ("backward", cell_variant(&language.backward, "BACKWARD")),
-                        (
-                            "object_decoder",
-                            dense_variant(&language.object_decoder, "OBJECT_DECODER"),
-                        ),
-                        (
-                            "reference_decoder",
-                            dense_variant(&language.reference_decoder, "REFERENCE_DECODER"),
-                        ),
-                        (
-                            "acceptability_hidden",
-                            dense_variant(&language.acceptability_hidden, "ACCEPTABILITY_HIDDEN"),
-                        ),
-                        ("acceptability", Node::Reference("ACCEPTABILITY")),
-                        ("nearest", Node::Reference("NEAREST")),
-                        ("farthest", Node::Reference("FARTHEST")),
-                        ("splitter", cell_variant(&language.splitter, "SPLITTER")),
-                        (
-                            "hazard_hidden",
-                            dense_variant(&language.hazard_hidden, "HAZARD_HIDDEN"),
-                        ),
-                        ("hazard", Node::Reference("HAZARD")),
-                    ],
-                ),
-            ),
-            (
-                "vision",
-                Node::record(
-                    "Vision",
-                    [
-                        ("color", Node::Reference("COLOR")),
-                        ("brightness", Node::Reference("BRIGHTNESS")),
-                    ],
-                ),
-            ),
-            ("simulator", Node::Reference("SIMULATOR")),
-            ("camera", Node::Reference("CAMERA")),
-        ],
-    )
+        ),
+        ("simulator", Node::Reference("SIMULATOR")),
+        ("camera", Node::Reference("CAMERA")),
+    ]);
+    Node::Record("Model", fields)
 }
 
 /// The statics that [`model_record`] refers to.
@@ -238,143 +154,9 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         embeddings(&model.embeddings).1,
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
-        table("BETWEEN", "several.between", "u16", model.several.between),
-        table(
-            "PLURALS",
-            "several.plurals",
-            "Plural<'static>",
-            model.several.plurals,
-        ),
-        table(
-            "REPAIRS_CORRECTIONS",
-            "repairs.corrections",
-            "&str",
-            model.repairs.corrections,
-        ),
-        table(
-            "REPAIRS_EXCLUSIONS",
-            "repairs.exclusions",
-            "&str",
-            model.repairs.exclusions,
-        ),
-        table(
-            "SEQUENCE_LATER",
-            "sequence.later",
-            "SequenceText<'static>",
-            model.sequence.later,
-        ),
-        table(
-            "SEQUENCE_EARLIER",
-            "sequence.earlier",
-            "SequenceText<'static>",
-            model.sequence.earlier,
-        ),
-        table(
-            "SEQUENCE_FIRST_WORDS",
-            "sequence.first_words",
-            "&str",
-            model.sequence.first_words,
-        ),
-        table(
-            "APART_BETWEEN",
-            "apart.between",
-            "&str",
-            model.apart.between,
-        ),
-        table(
-            "APART_PHRASES",
-            "apart.phrases",
-            "&str",
-            model.apart.phrases,
-        ),
-        table(
-            "RANKED",
-            "ordinals.ranked",
-            "Ranked<'static>",
-            model.ordinals.ranked,
-        ),
-        table(
-            "COUNTS",
-            "ordinals.counts",
-            "Count<'static>",
-            model.ordinals.counts,
-        ),
-        table(
-            "COUNTED_FROM",
-            "ordinals.from",
-            "CountedFrom<'static>",
-            model.ordinals.from,
-        ),
-        table(
-            "COUNTED_FIRST_WORDS",
-            "ordinals.first_words",
-            "&str",
-            model.ordinals.first_words,
-        ),
-        table(
-            "COUNTED_ARTICLES",
-            "ordinals.articles",
-            "&str",
-            model.ordinals.articles,
-        ),
-        table(
-            "COUNTED_NOUNS",
-            "ordinals.nouns",
-            "&str",
-            model.ordinals.nouns,
-        ),
-        table(
-            "NOT_COUNTED",
-            "ordinals.unless",
-            "&str",
-            model.ordinals.unless,
-        ),
-        table(
-            "LIST_BETWEEN",
-            "arrangements.between",
-            "&str",
-            model.arrangements.between,
-        ),
-        table(
-            "LIST_ENDS",
-            "arrangements.ends",
-            "&str",
-            model.arrangements.ends,
-        ),
-        table(
-            "ARRANGEMENTS",
-            "arrangements.arrangements",
-            "Arrangement<'static>",
-            model.arrangements.arrangements,
-        ),
-        table(
-            "OPENINGS",
-            "arrangements.openings",
-            "Opening<'static>",
-            model.arrangements.openings,
-        ),
-        table(
-            "CLOSINGS",
-            "arrangements.closings",
-            "Closing<'static>",
-            model.arrangements.closings,
-        ),
-        table("TABLE_SIDES", "table.sides", "u8", model.table.sides),
-        table("TABLE_OFF", "table.off", "&str", model.table.off),
-        table(
-            "TABLE_SOURCES",
-            "table.sources",
-            "&str",
-            model.table.sources,
-        ),
-        table("TABLE_UNLESS", "table.unless", "&str", model.table.unless),
-        table(
-            "TABLE_REMOVING",
-            "table.removing",
-            "&str",
-            model.table.removing,
-        ),
-        table("TABLE_DOWN", "table.down", "&str", model.table.down),
+    ];
+    statics.extend(rewriting::tables(model));
+    statics.extend([
         table(
             "HEARD",
             "spelling.heard",
@@ -461,7 +243,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
             format!("Linear<{SPLITTER_HIDDEN}, 1>"),
             language.hazard,
         ),
-    ];
+    ]);
     // The model of a file has all parts.
     if let Some(vision) = &model.vision {
         statics.extend(view(

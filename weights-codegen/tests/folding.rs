@@ -86,6 +86,20 @@ fn names_stand_with_their_parameters() {
         ["after", "although", "before", "but"]
     );
     assert_eq!(model.sequence.next, ", then");
+    let distances = model.distances;
+    assert_eq!(distances.sides, [1]);
+    let units = distances.units.iter().map(|unit| (unit.text, unit.mm));
+    assert!(units.eq([("cm", 10.0), ("mm", 1.0)]));
+    let numbers = distances.numbers.iter();
+    let numbers = numbers.map(|number| (number.text, number.value));
+    assert!(numbers.eq([("a", 1.0), ("half a", 0.5)]));
+    assert_eq!(distances.before, ["at a distance of", "by"]);
+    assert_eq!(
+        (distances.behind, distances.from),
+        (&["away"][..], &["off"][..])
+    );
+    assert_eq!((distances.beside, distances.usual_mm), ("beside", 25));
+    assert_eq!(distances.unless, ["the"]);
     assert_eq!(model.apart.between, ["and"]);
     assert_eq!(model.apart.phrases, ["whose finish is", "then"]);
     let counted = model.ordinals;

@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 59689
+#define NSRM_MAX_POLLS 59977
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -224,6 +224,8 @@ enum nsrm_refusal_kind_t
     NSRM_REFUSAL_ALREADY_ON_TABLE = 28,
     /** No place on the table is free, in sight and inside the work space: `step`, `object`. */
     NSRM_REFUSAL_NO_ROOM_ON_TABLE = 29,
+    /** A distance is named from an object of which too little is seen: `step`, `object`. */
+    NSRM_REFUSAL_HIDDEN_REFERENCE = 30,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -530,6 +532,8 @@ typedef struct nsrm_program_step_t {
     struct nsrm_description_t object;
     /** The reference. */
     struct nsrm_description_t reference;
+    /** The distance between the faces of the two, millimetres; 0 where the sentence names none. */
+    uint32_t distance_mm;
     /** The step's place in the sentence. */
     struct nsrm_span_t span;
     /** The place of the words that describe the object to move. */

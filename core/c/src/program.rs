@@ -137,6 +137,8 @@ pub struct ProgramStep {
     pub object: Description,
     /// The reference.
     pub reference: Description,
+    /// The distance between the faces of the two, millimetres; 0 where the sentence names none.
+    pub distance_mm: u32,
     /// The step's place in the sentence.
     pub span: Span,
     /// The place of the words that describe the object to move.
@@ -243,6 +245,7 @@ impl ProgramStep {
             action: step.action.into(),
             object: (&step.object).into(),
             reference: (&step.reference).into(),
+            distance_mm: step.distance_mm.map_or(0, |mm| mm.get().into()),
             span: decisions.span.into(),
             object_span: decisions.object_span.into(),
             reference_span: decisions.reference_span.into(),

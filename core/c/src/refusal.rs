@@ -77,6 +77,8 @@ pub enum RefusalKind {
     AlreadyOnTable = 28,
     /// No place on the table is free, in sight and inside the work space: `step`, `object`.
     NoRoomOnTable = 29,
+    /// A distance is named from an object of which too little is seen: `step`, `object`.
+    HiddenReference = 30,
 }
 
 /// An object that fits a description.
@@ -257,7 +259,8 @@ impl From<&CoreRefusal> for Refusal {
             }
             CoreRefusal::SameObject { step, object }
             | CoreRefusal::AlreadyOnTable { step, object }
-            | CoreRefusal::NoRoomOnTable { step, object } => {
+            | CoreRefusal::NoRoomOnTable { step, object }
+            | CoreRefusal::HiddenReference { step, object } => {
                 (told.step, told.object) = (step.into(), object);
             }
             CoreRefusal::NotFinite { step, quantity } => {

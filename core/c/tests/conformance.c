@@ -136,11 +136,11 @@ static void put_program(void) {
         const nsrm_program_step_t *step = &program.steps[index];
         printf("parsed: action %" PRIu32 " concepts %" PRIu32 " %" PRIu32 " relations %" PRIu32
                " %" PRIu32 " kinds %" PRIu32 " %" PRIu32 " which %" PRIu32 " %" PRIu32
-               " span %u %u\n",
+               " mm %" PRIu32 " span %u %u\n",
                step->action, step->object.filters.count, step->reference.filters.count,
                step->object.relation_count, step->reference.relation_count,
                step->object.relations[0].kind, step->reference.relations[0].kind,
-               step->object.filters.which, step->reference.filters.which,
+               step->object.filters.which, step->reference.filters.which, step->distance_mm,
                (unsigned)step->span.start, (unsigned)step->span.end);
     }
     for (uint32_t index = 0; index < program.correction_count; ++index) {

@@ -17,6 +17,7 @@ pub use description::{
 pub(crate) use notation::action_phrase;
 
 use core::fmt;
+use core::num::NonZeroU16;
 
 use heapless::Vec;
 
@@ -59,6 +60,9 @@ pub struct Step {
     pub object: Description,
     /// The reference object.
     pub reference: Description,
+    /// The distance between the faces of the two, millimetres, where the sentence names one; otherwise it is that of the
+    /// demonstrations.
+    pub distance_mm: Option<NonZeroU16>,
 }
 
 impl Step {
@@ -130,6 +134,7 @@ mod tests {
             action,
             object: Description::new(),
             reference: Description::new(),
+            distance_mm: None,
         };
         let mut program = Program::new();
         for _ in 0..MAX_STEPS {

@@ -1,6 +1,7 @@
 //! Programs as text: in the paper's notation, and descriptions in words.
 
 use core::fmt;
+use core::num::NonZeroU16;
 
 use super::{Description, Filters, Program, Property, Quantifier, Step};
 use crate::model::Model;
@@ -141,7 +142,20 @@ impl fmt::Display for StepNotation<'_> {
         self.unique(&self.step.object, f)?;
         f.write_str(", ")?;
         self.unique(&self.step.reference, f)?;
+        if let Some(mm) = self.step.distance_mm {
+            write!(f, ", Distance({})", Metres(mm))?;
+        }
         f.write_str(")")
+    }
+}
+
+/// A length in metres with three decimal places.
+struct Metres(NonZeroU16);
+
+impl fmt::Display for Metres {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mm = self.0.get();
+        write!(f, "{}.{:03}", mm / 1000, mm % 1000)
     }
 }
 
@@ -175,6 +189,7 @@ mod tests {
             action: 0,
             object,
             reference: Description::new(),
+            distance_mm: None,
         }
     }
 

@@ -4,3 +4,4 @@
 mod calibration;
 mod plan;
 mod refusal;
+mod unknown_word;

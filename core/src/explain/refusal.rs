@@ -1,7 +1,8 @@
 use core::fmt;
 
+use super::unknown_word::UnknownWord;
 use crate::dsl::{Argument, Description, Property};
-use crate::language::{Span, nearest_word, said_around, said_between, says_order};
+use crate::language::{Span, says_order};
 use crate::model::Model;
 use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refusal};
 
@@ -24,9 +25,10 @@ impl Refusal {
         match self {
             Self::UnknownWord { span } => {
                 let word = span.of(sentence)?;
-                let has_meaning =
-                    said_around(model, word).is_some() || said_between(model, word).is_some();
-                nearest_word(model, word).filter(|_| !has_meaning)
+                match UnknownWord::of(model, word) {
+                    UnknownWord::Like(known) => Some(known),
+                    _ => None,
+                }
             }
             _ => None,
         }
@@ -144,6 +146,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::OtherNumber { .. }
             | Refusal::AlreadyOnTable { .. }
             | Refusal::NoRoomOnTable { .. }
+            | Refusal::HiddenReference { .. }
             | Refusal::SameObject { .. }
             | Refusal::OutsideTrainingView { .. }
             | Refusal::OutsideWorkSpace { .. }
@@ -165,36 +168,13 @@ impl Message<'_> {
                 f.write_str("the sentence has no words; say what to move, and where to")
             }
             Refusal::UnknownWord { span } => {
-                let quoted = self.quoted(*span);
-                let around = self.context.and_then(|(model, sentence)| {
-                    said_around(model, span.of(sentence).unwrap_or_default())
-                });
-                if let Some((before, behind)) = around {
-                    let space = if behind.is_empty() { "" } else { " " };
-                    return write!(
-                        f,
-                        "{quoted} is only understood around a list of objects, as in \
-                         \"{before} …{space}{behind}\"; list each object by itself, and nothing else"
-                    );
-                }
-                let between = self.context.and_then(|(model, sentence)| {
-                    said_between(model, span.of(sentence).unwrap_or_default())
-                });
-                if let Some(between) = between {
-                    return write!(
-                        f,
-                        "{quoted} is only understood between two descriptions, as in \"the … {between} the …\", \
-                         with the same words before both; say only what you mean"
-                    );
-                }
-                write!(f, "{quoted} is not a word that the model knows; ")?;
-                let suggestion = self
-                    .context
-                    .and_then(|(model, sentence)| self.refusal.suggestion(model, sentence));
-                match suggestion {
-                    Some(word) => write!(f, "did you mean \"{word}\"?"),
-                    None => f.write_str("use another one"),
-                }
+                let word = match self.context {
+                    Some((model, sentence)) => {
+                        UnknownWord::of(model, span.of(sentence).unwrap_or_default())
+                    }
+                    None => UnknownWord::Strange,
+                };
+                word.write(self.quoted(*span), f)
             }
             Refusal::SentenceTooLong { limit, unit } => write!(
                 f,
@@ -413,6 +393,12 @@ impl Message<'_> {
                 f,
                 "step {}: no free place on the table is in sight for object {object}; say on which side of \
                  which object to put it",
+                number(*step)
+            ),
+            Refusal::HiddenReference { step, object } => write!(
+                f,
+                "step {}: other objects hide too much of object {object} to measure a distance from it; \
+                 name another one, or no distance",
                 number(*step)
             ),
             Refusal::OutsideTrainingView {

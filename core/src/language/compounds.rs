@@ -9,7 +9,8 @@ use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
 use super::tokens::{Tokens, push, span_of};
-use super::{Token, TokenKind};
+use super::words::find;
+use super::{Span, Token, TokenKind};
 use crate::model::{Compound, CompoundKind};
 use crate::refusal::Refusal;
 
@@ -41,6 +42,9 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let (length, text) = self.longest(rest, self.model.compounds.said)?;
         let index = usize::from(text.compound);
         let said = at..at.checked_add(length)?;
+        if self.begins_distance(tokens.get(said.end..)?) {
+            return None;
+        }
         let compound = self.model.compounds.compounds.get(index)?;
         if compound.kind == CompoundKind::Any && self.names_side(tokens, &said) {
             return None;
@@ -72,6 +76,43 @@ impl<'a> PhraseMatcher<'_, 'a> {
         near.any(|token| self.is_one_of(self.model.compounds.sides, token))
     }
 
+    /// The compound that a text means which stands before a token, and its index, unless a side is named near it.
+    pub(super) fn beside(
+        &self,
+        tokens: &[Token],
+        at: usize,
+        text: &str,
+    ) -> Option<(&'a Compound<'a>, u8)> {
+        let (_, said) = find(self.model.compounds.said, text, |said| said.text)?;
+        if self.names_side(tokens, &(at..at)) {
+            return None;
+        }
+        let index = usize::from(said.compound);
+        let compound = self.model.compounds.compounds.get(index)?;
+        let index = self.model.actions.len().checked_add(index)?;
+        Some((compound, u8::try_from(index).ok()?))
+    }
+
+    /// Appends the words as which a compound is read, the last of them marked.
+    pub(super) fn write_compound(
+        &self,
+        compound: &Compound<'_>,
+        index: u8,
+        span: Span,
+        read: &mut Tokens,
+    ) -> Result<(), Refusal> {
+        self.write_words(compound.read, span, read)?;
+        if let Some(token) = read.last_mut()
+            && let TokenKind::Word(word) = token.kind
+        {
+            token.kind = TokenKind::Compound {
+                word,
+                compound: index,
+            };
+        }
+        Ok(())
+    }
+
     /// The tokens with these words replaced, and the index of the one behind.
     pub(super) fn with_compound(
         &self,
@@ -89,15 +130,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let mut read = Tokens::new();
         // As many fit.
         let _ = read.extend_from_slice(tokens.get(..said.start).unwrap_or_default());
-        self.write_words(compound.read, span, &mut read)?;
-        if let Some(token) = read.last_mut()
-            && let TokenKind::Word(word) = token.kind
-        {
-            token.kind = TokenKind::Compound {
-                word,
-                compound: *index,
-            };
-        }
+        self.write_compound(compound, *index, span, &mut read)?;
         let behind = read.len();
         for token in tokens.get(said.end..).unwrap_or_default() {
             push(&mut read, token.kind, token.span)?;

@@ -5,7 +5,7 @@ use core::ops::Range;
 use super::tokens::{Tokens, push};
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind};
-use crate::model::{CompoundText, CountedFrom, Model, SequenceText};
+use crate::model::{CompoundText, CountedFrom, DistanceNumber, Model, SequenceText};
 use crate::refusal::Refusal;
 
 /// Compares the tokens of a sentence with texts: words in lower case with one space in between.
@@ -175,6 +175,7 @@ pub(super) enum TextList<'t> {
     Counted(&'t [CountedFrom<'t>]),
     Compound(&'t [CompoundText<'t>]),
     Sequence(&'t [SequenceText<'t>]),
+    Number(&'t [DistanceNumber<'t>]),
 }
 
 impl<'t> TextList<'t> {
@@ -184,6 +185,7 @@ impl<'t> TextList<'t> {
             Self::Counted(texts) => texts.get(index).map(|counted| counted.text),
             Self::Compound(texts) => texts.get(index).map(|said| said.text),
             Self::Sequence(texts) => texts.get(index).map(|said| said.text),
+            Self::Number(texts) => texts.get(index).map(|number| number.text),
         }
     }
 }
@@ -209,6 +211,12 @@ impl<'t> From<&'t [CompoundText<'t>]> for TextList<'t> {
 impl<'t> From<&'t [SequenceText<'t>]> for TextList<'t> {
     fn from(texts: &'t [SequenceText<'t>]) -> Self {
         Self::Sequence(texts)
+    }
+}
+
+impl<'t> From<&'t [DistanceNumber<'t>]> for TextList<'t> {
+    fn from(texts: &'t [DistanceNumber<'t>]) -> Self {
+        Self::Number(texts)
     }
 }
 

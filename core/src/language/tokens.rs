@@ -3,11 +3,13 @@ mod rewriting;
 use heapless::Vec;
 use rewriting::{Rewriting, Twofold};
 
+use super::distances::Distance;
 use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
 use super::words::{Span, find, is_full_stop, is_space, next_word, word};
 use crate::capacity::{
-    ARGUMENTS, MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_TOKENS,
+    ARGUMENTS, MAX_CORRECTIONS, MAX_FILTERS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_STEPS,
+    MAX_TOKENS,
 };
 use crate::dsl::{Filters, Property};
 use crate::model::{Model, WordEmbeddings};
@@ -105,8 +107,9 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// to that of "the small red block"; what is counted from one side ([`crate::model::Ordinals`]), "the second red
 /// block from the left", becomes a part of its group; the table ([`crate::model::Table`]) is named where it is meant, "take the
 /// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
-/// those of a compound ([`crate::model::Compound`]) by those of its first action, once the whole sentence is
-/// read; where they may mean something else, the sentence has two readings.
+/// those of a compound ([`crate::model::Compound`]) by those of its first action; and those of a distance
+/// ([`crate::model::Distances`]) are left out, once the whole sentence is read. Where they may mean something else, the
+/// sentence has two readings.
 ///
 /// It does not keep the sentence, so that a task can own both: pass the same sentence to every
 /// call.
@@ -137,6 +140,8 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
+    /// The distances that were left out of the tokens.
+    distances: Vec<Distance, MAX_STEPS, u8>,
     /// What has been done of rewriting the tokens.
     rewriting: Rewriting,
     /// Whether known words of each kind are rewritten in this reading, as far as that is chosen.
@@ -177,6 +182,7 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
+            distances: Vec::new(),
             rewriting: Rewriting::Repairs { from: 0 },
             chosen: [None; Twofold::COUNT],
         }
@@ -234,6 +240,11 @@ impl Reader {
     /// The unknown words so far that were read as known ones.
     pub fn corrections(&self) -> &[Correction] {
         &self.corrections
+    }
+
+    /// The distances that were left out of the tokens.
+    pub(super) fn distances(&self) -> &[Distance] {
+        &self.distances
     }
 
     /// How many readings the sentence has so far: 1 without corrections and pronouns.

@@ -3,13 +3,13 @@
 
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
-    Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, ENCODER_HIDDEN,
-    Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language,
-    LexiconEntry, MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals,
-    PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked, Repairs, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling,
-    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, DistanceNumber,
+    DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
+    Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
+    OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked,
+    Repairs, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several,
+    Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
+    WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -58,6 +58,7 @@ builder! {
         several, with_several: Several<'a> = Several::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
         sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
+        distances, with_distances: Distances<'a> = Distances::UNSET;
         apart, with_apart: Apart<'a> = Apart::UNSET;
         ordinals, with_ordinals: Ordinals<'a> = Ordinals::UNSET;
         arrangements, with_arrangements: Arrangements<'a> = Arrangements::UNSET;
@@ -155,6 +156,25 @@ builder! {
         text, with_text: &'a str = "";
         read_as, with_read_as: &'a str = "";
         is_afterthought, with_is_afterthought: bool = false;
+    }
+    ['a] Distances<'a> {
+        sides, with_sides: &'a [u8] = &[];
+        units, with_units: &'a [DistanceUnit<'a>] = &[];
+        numbers, with_numbers: &'a [DistanceNumber<'a>] = &[];
+        before, with_before: &'a [&'a str] = &[];
+        behind, with_behind: &'a [&'a str] = &[];
+        from, with_from: &'a [&'a str] = &[];
+        beside, with_beside: &'a str = "";
+        unless, with_unless: &'a [&'a str] = &[];
+        usual_mm, with_usual_mm: u16 = 0;
+    }
+    ['a] DistanceUnit<'a> {
+        text, with_text: &'a str = "";
+        mm, with_mm: f32 = 0.0;
+    }
+    ['a] DistanceNumber<'a> {
+        text, with_text: &'a str = "";
+        value, with_value: f32 = 0.0;
     }
     ['a] Table<'a> {
         action, with_action: u8 = NOWHERE;

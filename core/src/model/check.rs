@@ -84,6 +84,15 @@ pub enum ModelFault<'a> {
     /// A word that is read where two steps are put in order is none of the model's; the word.
     #[error("word \"{0}\", which is read where two steps are put in order, isn't there")]
     SequenceWord(&'a str),
+    /// What says a distance is empty, or not sorted and unique, a unit or a number is not positive and finite, or there
+    /// are units without a side, or with one that isn't there; the text.
+    #[error(
+        "\"{0}\", which says a distance, is empty, out of order, repeated, not positive, or of no side that is there"
+    )]
+    DistanceText(&'a str),
+    /// A word that is read in place of a distance without a side is none of the model's; the word.
+    #[error("word \"{0}\", which is read where a distance has no side, isn't there")]
+    DistanceWord(&'a str),
     /// What is counted from an extreme is the extreme itself, of one that isn't there, or there twice; its name.
     #[error(
         "\"{0}\" is counted from an extreme that isn't there, is this itself, is there twice or one too many"
@@ -274,6 +283,7 @@ impl<'a> Model<'a> {
         self.check_several()?;
         self.check_repairs()?;
         self.check_sequence()?;
+        self.check_distances()?;
         self.check_ordinals()?;
         self.check_arrangements()?;
         self.check_table()?;

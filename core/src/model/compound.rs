@@ -75,6 +75,14 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Whether an action puts an object beside another one, to a single side or to any.
+    pub(crate) fn puts_aside(&self, action: u8) -> bool {
+        match self.compound(action) {
+            Some(compound) => compound.kind == CompoundKind::Any,
+            None => self.distances.sides.contains(&action),
+        }
+    }
+
     /// The first of the parts of a compound, as which it is read; an action is its own.
     pub(crate) fn read_action(&self, index: u8) -> Option<u8> {
         match self.compound(index) {

@@ -3,8 +3,10 @@ use core::task::Poll;
 
 use nalgebra::{Isometry3, Translation3};
 
+use super::distance::at_distance;
 use super::resolve::{Resolver, Within};
 use super::room::{Beside, Room};
+use super::sight::Sight;
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate_any;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
@@ -172,6 +174,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let Some(reference) = self.resolve(step, Argument::Reference)? else {
                     return Ok(stage);
                 };
+                self.check_measured(step, &reference)?;
                 let Some(object) = object else {
                     self.seek(step, Argument::Object)?;
                     let reference = Some(reference);
@@ -186,7 +189,8 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let action = self.symbols(step)?.action;
                 let compound = self.model.compound(action);
                 if compound.is_some_and(|compound| compound.kind == CompoundKind::Any) {
-                    self.room = Room::beside(reference, action);
+                    let distance_mm = self.symbols(step)?.distance_mm;
+                    self.room = Room::beside(reference, action, distance_mm);
                     return Ok(Stage::Room { step, object });
                 }
                 Ok(Stage::Act {
@@ -260,6 +264,19 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         }
         self.seek(step, Argument::Object)?;
         Ok(Stage::Object { step })
+    }
+
+    /// Refuses a distance from a reference that is seen in part: its place may be off by more than that.
+    fn check_measured(&mut self, step: usize, reference: &Grounding) -> Result<(), Refusal> {
+        let is_measured = self.symbols(step)?.distance_mm.is_some();
+        let (_, _, within) = self.resolving(step, Argument::Reference)?;
+        if is_measured && Sight::of(reference.index.into(), &within).is_rough {
+            return Err(Refusal::HiddenReference {
+                step: step as u8,
+                object: reference.object,
+            });
+        }
+        Ok(())
     }
 
     /// The object is to be put on the table.
@@ -350,7 +367,10 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         }
         let location = simulate_any(self.model, action, &from, &to);
         // Always there: an action, or a compound that leads to one place.
-        let location = location.ok_or(Refusal::InvalidModel)?;
+        let mut location = location.ok_or(Refusal::InvalidModel)?;
+        if let Some(mm) = self.symbols(step)?.distance_mm {
+            location = at_distance(self.model, &self.viewpoint, &location, &to, mm);
+        }
         if !location.iter().all(|number| number.is_finite()) {
             return Err(not_finite(Quantity::Location));
         }

@@ -4,6 +4,7 @@
 //! `G = [(o_1, p_1), …]` of section IV-D, with every probability and cosine that
 //! led to it.
 
+mod distance;
 mod ground;
 mod plan;
 mod resolve;
@@ -45,7 +46,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 15 * 1024 && PLAN_BYTES <= 1888);
+const _: () = assert!(TASK_BYTES <= 15 * 1024 && PLAN_BYTES <= 1912);
 const _: () = assert!(size_of::<Refusal>() <= 96);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]
@@ -101,7 +102,7 @@ pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + Cause::ALL.len()
     + 2 * MAX_STEPS * GROUNDING_POLLS
     + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 9) * MAX_TOKENS + 5 + MAX_STEPS * (4 + MAX_GROUPS);
+const READING_POLLS: usize = (MAX_FILTERS + 9) * MAX_TOKENS + 6 + MAX_STEPS * (5 + MAX_GROUPS);
 const GROUNDING_POLLS: usize =
     2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1;
 

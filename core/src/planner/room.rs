@@ -2,9 +2,12 @@
 //! where one of several actions of the model puts things. So the learned simulator says where it is, as of any
 //! other sub-goal.
 
+use core::num::NonZeroU16;
+
 use nalgebra::Point3;
 
 use super::Grounding;
+use super::distance::at_distance;
 use super::resolve::Within;
 use super::sight::{HIDDEN, ON_TOP_M, Sight, is_hidden};
 use crate::action::simulate;
@@ -22,6 +25,8 @@ const CLEAR: f32 = 1.15;
 pub(super) struct Room {
     /// The only object beside which a place is sought, and the compound that says where.
     only: Option<(Grounding, u8)>,
+    /// How far from that object, if the sentence says it.
+    distance_mm: Option<NonZeroU16>,
     /// How many places were tried.
     tried: usize,
     best: Option<Free>,
@@ -55,13 +60,23 @@ impl Room {
     /// Nothing tried yet, beside one object.
     ///
     /// * `compound`: as of [`crate::Model::compound`]
-    pub(super) const fn beside(object: Grounding, compound: u8) -> Self {
-        Self::sought(Some((object, compound)))
+    /// * `distance_mm`: that of the step
+    pub(super) const fn beside(
+        object: Grounding,
+        compound: u8,
+        distance_mm: Option<NonZeroU16>,
+    ) -> Self {
+        let room = Self::sought(Some((object, compound)));
+        Self {
+            distance_mm,
+            ..room
+        }
     }
 
     const fn sought(only: Option<(Grounding, u8)>) -> Self {
         Self {
             only,
+            distance_mm: None,
             tried: 0,
             best: None,
         }
@@ -108,7 +123,7 @@ impl Room {
         self.tried = self.tried.saturating_add(1);
         if index != object
             && within.is_on_table(index)
-            && let Some(off_m2) = free(object, index, action, within)?
+            && let Some(off_m2) = free(object, index, action, self.distance_mm, within)?
         {
             let Sight { is_rough, .. } = Sight::of(index, within);
             let is_worse = |other: Free| (other.is_rough, other.off_m2) <= (is_rough, off_m2);
@@ -140,6 +155,7 @@ fn free(
     object: usize,
     neighbour: usize,
     action: u8,
+    distance_mm: Option<NonZeroU16>,
     within: &Within<'_>,
 ) -> Result<Option<f32>, Refusal> {
     let Within {
@@ -153,7 +169,10 @@ fn free(
     if !viewpoint.contains(beside) {
         return Ok(None);
     }
-    let put = simulate(model.simulator, action, from, beside);
+    let mut put = simulate(model.simulator, action, from, beside);
+    if let Some(mm) = distance_mm {
+        put = at_distance(model, viewpoint, &put, beside, mm);
+    }
     let place = within.place(&put);
     let is_on_table = model
         .on_table_below_m()

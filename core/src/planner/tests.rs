@@ -1,4 +1,5 @@
 mod compounds;
+mod distances;
 mod extremes;
 mod ordinals;
 mod relations;

@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.45eea5f5d2d49f37"
+    "nsrm.v1.PlanReply.68b12293f6f4fb08"
     pub struct PlanReply {
         /// The client.
         pub client: u64,
@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 46] = [
+pub const REASONS: [&str; 47] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -99,6 +99,7 @@ pub const REASONS: [&str; 46] = [
     "only_on_table",
     "already_on_table",
     "no_room_on_table",
+    "hidden_reference",
     OTHER,
 ];
 

@@ -29,7 +29,7 @@ message! {
 
 message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.efbad8f1abdc34da"
+    "nsrm.v1.StepMessage.e45d9d560755ab3a"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -54,6 +54,8 @@ message! {
         pub reference_relation_count: u32,
         /// Those relations.
         pub reference_relations: [RelationMessage; MAX_RELATIONS],
+        /// The distance between the faces of the two, millimetres; 0 where the sentence names none.
+        pub distance_mm: u32,
         /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
         /// 0.
         pub object_id: u32,
@@ -116,6 +118,7 @@ impl StepMessage {
         reference_which: 0,
         reference_relation_count: 0,
         reference_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
+        distance_mm: 0,
         object_id: 0,
         reference_id: 0,
         object_score: 0.0,
@@ -144,6 +147,7 @@ impl StepMessage {
             reference_which: which(step.reference.filters()),
             reference_relation_count,
             reference_relations,
+            distance_mm: step.distance_mm.map_or(0, |mm| mm.get().into()),
             ..Self::EMPTY
         }
     }
@@ -225,7 +229,8 @@ impl StepMessage {
             &[self.object_score, self.reference_score],
         ];
         let finite = numbers.into_iter().all(all_finite);
-        described && finite && (!self.is_grounded() || is_unit(&self.orientation))
+        let far = self.distance_mm <= u16::MAX.into();
+        described && far && finite && (!self.is_grounded() || is_unit(&self.orientation))
     }
 }
 
@@ -342,8 +347,9 @@ mod tests {
     }
 
     #[test]
-    fn relations_that_no_description_has_are_refused() {
-        let cases: [fn(&mut StepMessage); 8] = [
+    fn what_no_step_has_is_refused() {
+        let cases: [fn(&mut StepMessage); 9] = [
+            |step| step.distance_mm = 65_536,
             |step| step.object_which = 259,
             |step| step.reference_relations[1].which = u32::MAX,
             |step| step.object_relation_count = 3,

@@ -68,7 +68,7 @@ class CompoundSentences(Draws):
                 [*do, *one, said, self._choose(NOTHING)],
                 [*do, *one, said, *other, "and", *further],
                 [*do, *one, "and", *other, said, *further],
-                [*do, *one, "two centimetres", said, *other],
+                [*do, *one, "at least two centimetres", said, *other],
                 [*do, *one, "away from", said, *other],
                 [*do, *one, said, *other, "upside down"],
                 [*do, *one, said, *other, said],
@@ -110,7 +110,8 @@ class CompoundSentences(Draws):
 
 @dataclass(frozen=True)
 class Put:
-    """A step whose action is a compound, of an episode's initial scene."""
+    """A step that puts a block of an episode's initial scene beside another one: by a compound, or
+    at a distance that is named."""
 
     step: Step
     #: Whether any of its places will do.
@@ -126,7 +127,7 @@ def compound_programs(domain: Domain, truth: Truth) -> Iterator[Put]:
     """Each compound of each pair of blocks of an episode's initial scene of which one can be moved
     so, by the unique descriptions of both."""
     blocks = tuple(block_from_attributes(domain, values) for values in truth.attributes)
-    scene = Arrangement(blocks, truth.initial_poses, _bases(truth))
+    scene = Arrangement(blocks, truth.initial_poses, bases(truth))
     unique = unique_descriptions(domain, blocks, Descriptions(1, 2))
     named = [index for index, kinds in enumerate(unique) if kinds]
     for compound in domain.compounds.made if domain.compounds is not None else ():
@@ -154,7 +155,7 @@ def _goals(
     return (goal.position,) if scene.has_room(moved, reference, goal) else ()
 
 
-def _bases(truth: Truth) -> tuple[int | None, ...]:
+def bases(truth: Truth) -> tuple[int | None, ...]:
     """Which block each one rests on; None for the table."""
     places = np.array([pose.position for pose in truth.initial_poses])
     heights = 0.5 * truth.edges_m[:, 2]

@@ -58,6 +58,7 @@ STREAMS = {
     "ordinals": 92,
     "repairs": 93,
     "sequences": 94,
+    "distances": 95,
 }
 
 

@@ -23,6 +23,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS, Derived, Number, Whole
 from nsrm_harness.domain.compounds import Compound, Compounds
+from nsrm_harness.domain.distances import Distances
 from nsrm_harness.domain.ordinals import Ordinals
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
 from nsrm_harness.domain.rewriting import Apart, Arrangements, Repairs, SequenceWords, Table
@@ -272,6 +273,8 @@ class Domain:
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]
     #: In which order steps are carried out that are said in another one.
     sequence: Annotated[SequenceWords | None, Field(default=None), BeforeValidator(_not_null)]
+    #: How far from the reference an object is put.
+    distances: Annotated[Distances | None, Field(default=None), BeforeValidator(_not_null)]
     apart: Annotated[Apart | None, Field(default=None), BeforeValidator(_not_null)]
     ordinals: Annotated[Ordinals | None, Field(default=None), BeforeValidator(_not_null)]
     arrangements: Annotated[Arrangements | None, Field(default=None), BeforeValidator(_not_null)]

@@ -20,6 +20,7 @@ import numpy as np
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import read_toml
 from nsrm_harness.domain.compounds import Compound, compounds_of
+from nsrm_harness.domain.distances import distances_of
 from nsrm_harness.domain.domain import (
     GROUP_TOKEN,
     RELATING_RULES,
@@ -42,8 +43,8 @@ _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
-    "synonyms", "extremes", "pronouns", "several", "repairs", "sequence", "apart", "ordinals",
-    "arrangements", "table", "compounds",
+    "synonyms", "extremes", "pronouns", "several", "repairs", "sequence", "distances", "apart",
+    "ordinals", "arrangements", "table", "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -55,8 +56,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
     (
-        synonyms, extremes, pronouns, several, repairs, sequence, apart, ordinals, arrangements,
-        table, compounds,
+        synonyms, extremes, pronouns, several, repairs, sequence, distances, apart, ordinals,
+        arrangements, table, compounds,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -87,6 +88,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["arrangements"] = arrangements
     if table := with_sides(table, names):
         document["table"] = table
+    if distances := distances_of(distances, names, str(path)):
+        document["distances"] = distances
     if compounds := compounds_of(compounds, names, str(path)):
         document["compounds"] = compounds
     if spelling := words.pop("spelling", None):

@@ -57,14 +57,19 @@ class Step:
     object_which: str | None = None
     #: Which of several is the reference, or `TABLE`.
     reference_which: str | None = None
+    #: The distance between the faces of the two, if the sentence names one.
+    distance_mm: int | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The step as in ``{"steps": [...]}`` of the command line."""
-        return {
+        content = {
             "action": self.action,
             "object": _as_json(self.object, self.object_which, self.object_relations),
             "reference": _as_json(self.reference, self.reference_which, self.reference_relations),
         }
+        if self.distance_mm is not None:
+            content["distance_mm"] = self.distance_mm
+        return content
 
     @staticmethod
     def from_json(content: Mapping[str, Any]) -> Step:
@@ -79,6 +84,7 @@ class Step:
             reference_relations,
             moved_which,
             reference_which,
+            content.get("distance_mm"),
         )
 
 
@@ -116,6 +122,7 @@ def canonical(steps: Iterable[Step]) -> str:
                 step.action,
                 _sorted(step.object, step.object_which, step.object_relations),
                 _sorted(step.reference, step.reference_which, step.reference_relations),
+                *([] if step.distance_mm is None else [step.distance_mm]),
             ]
             for step in steps
         ],

@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _repairs, _sequence, _apart, _ordinals,
-        _arrangements, _table, _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _repairs, _sequence, _distances, _apart,
+        _ordinals, _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -334,6 +334,26 @@ def _sequence(domain: Domain) -> Faults:
         for word in text.split(" "):
             if word not in known:
                 yield "sequence", f"{word!r} is not a word of the grammar"
+
+
+def _distances(domain: Domain) -> Faults:
+    """Distances are of actions that put something beside another one, said in words, and read as
+    those of the grammar."""
+    said = domain.distances
+    if said is None:
+        return
+    sides = [action.name for action in domain.actions if action.direction is not None]
+    for name in said.sides:
+        if name not in sides:
+            yield "distances.sides", f"no action {name!r}; expected some of {', '.join(sides)}"
+    if not all(
+        (*said.units, *said.numbers, *said.before, *said.behind, *said.source, *said.unless)
+    ):
+        yield "distances", "expected words: remove the empty string"
+    known = domain.other_words()
+    for word in said.beside.split(" "):
+        if word not in known:
+            yield "distances.beside", f"{word!r} is not a word of the grammar"
 
 
 def _apart(domain: Domain) -> Faults:

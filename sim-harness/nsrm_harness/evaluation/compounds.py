@@ -1,5 +1,5 @@
-"""What is put next to another block, or on two of its sides at once, in scenes: whether it ends
-there.
+"""What is put next to another block, on two of its sides at once, or at a distance that is named,
+in scenes: whether it ends there.
 
 Judged by the ground truth: the right block, its centre near one of the places where the
 demonstrator would put it, and its base apart from that of every other block.
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nsrm_harness.data.compounds import Put, compound_programs
+from nsrm_harness.data.distances import spaced_programs
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.domain import Domain
@@ -23,6 +24,8 @@ from nsrm_harness.evaluation.on_table import is_clear
 #: How far the centre of a block is at most from where it may end, metres. What a block that carries
 #: another one is beside is seen in part, and less precisely.
 OFF_M = 0.03
+#: The same along the table, where the distance is named.
+DISTANT_OFF_M = 0.01
 #: Number of sentences of each kind about an episode.
 TIMES = 3
 
@@ -48,21 +51,34 @@ class PutBeside:
         if moved != [(self.put.moved + 1, self.put.reference + 1)]:
             return False
         place = np.array(plan.steps[0].position)
-        off_m = np.linalg.norm(np.array(self.put.goals) - place, axis=1)
-        is_there = bool(off_m.min() < OFF_M)
+        off_m = np.array(self.put.goals) - place
+        is_near = np.linalg.norm(off_m, axis=1) < OFF_M
+        if self.put.step.distance_mm is not None:
+            is_near &= np.linalg.norm(off_m[:, :2], axis=1) < DISTANT_OFF_M
+        is_there = bool(is_near.any())
         return is_there and is_clear(place, self.put.moved, self.places_m, self.edges_m)
 
 
 def put_beside(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[PutBeside]]:
     """Up to `TIMES` sentences of each kind about each episode, by the name of their set."""
-    sets: dict[str, list[PutBeside]] = {"next to in scenes": [], "diagonally in scenes": []}
-    beside, diagonal = sets.values()
+    sets: dict[str, list[PutBeside]] = {}
+    if domain.compounds is not None:
+        sets |= {"next to in scenes": [], "diagonally in scenes": []}
+    if domain.distances is not None:
+        sets |= {"distances in scenes": []}
     for index in range(len(judge)):
         rng, truth = generator(seed, "compounds", index), judge.truth(index)
         places_m = np.array([pose.position for pose in truth.initial_poses])
         found = list(compound_programs(domain, truth))
-        for chosen, is_any in ((beside, True), (diagonal, False)):
-            every = [put for put in found if put.is_any is is_any]
+        kinds = {
+            "next to in scenes": [put for put in found if put.is_any],
+            "diagonally in scenes": [put for put in found if not put.is_any],
+            "distances in scenes": list(
+                spaced_programs(domain, truth, generator(seed, "distances", 1 + index))
+            ),
+        }
+        for name, chosen in sets.items():
+            every = kinds[name]
             for at in rng.permutation(len(every))[:TIMES]:
                 chosen.append(PutBeside(index, every[at], places_m, truth.edges_m))
     return sets

@@ -39,6 +39,7 @@ import nsrm
 from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
 from nsrm_harness.data.compounds import CompoundSentences
+from nsrm_harness.data.distances import DistanceSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
@@ -98,6 +99,8 @@ REPAIR_COUNT = 2000
 """How many sentences in which something is taken back, and how many of which nobody can tell."""
 SEQUENCE_COUNT = 2000
 """How many sentences of two steps in another order, and how many without any."""
+DISTANCE_COUNT = 2000
+"""How many sentences with distances, and how many that mean none."""
 ORDINAL_COUNT = 2000
 """How many sentences that count, and how many that count nothing."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
@@ -166,6 +169,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_on_table(domain, seed)
     if domain.compounds is not None:
         sets |= say_compounds(domain, seed)
+    if domain.distances is not None:
+        sets |= say_distances(domain, seed)
     if domain.pronouns:
         sets |= say_pronouns(domain, programs, seed)
     return rows + [count(name, understand(model, said)) for name, said in sets.items()]
@@ -266,6 +271,16 @@ def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "next to and diagonally": [sentences.draw() for _ in range(COMPOUND_COUNT)],
         "not next to": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
+    }
+
+
+def say_distances(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`DISTANCE_COUNT` sentences with a distance, and as many that mean none, by the name of their
+    set."""
+    sentences = DistanceSentences(domain, generator(seed, "distances", 0))
+    return {
+        "distances": [sentences.draw() for _ in range(DISTANCE_COUNT)],
+        "no distances": [(sentences.near_miss(), None) for _ in range(DISTANCE_COUNT)],
     }
 
 
@@ -371,7 +386,12 @@ def understand(model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]
             continue
         program = tuple(
             Step.from_json(
-                {"action": step.action, "object": step.object, "reference": step.reference}
+                {
+                    "action": step.action,
+                    "object": step.object,
+                    "reference": step.reference,
+                    "distance_mm": step.distance_mm,
+                }
             )
             for step in steps
         )

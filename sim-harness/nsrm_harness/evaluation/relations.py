@@ -19,6 +19,7 @@ from pathlib import Path
 import nsrm
 import numpy as np
 
+from nsrm_harness.data.distances import DistanceSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
@@ -124,10 +125,9 @@ def measure_relations(
             for title, put in put_on_table(domain, judge).items():
                 words = _words(domain, put, seed)
                 rows.append(_grounded(model, demonstrations, title, put, words, quiet))
-        if domain.compounds is not None:
-            for title, beside in put_beside(domain, judge, seed).items():
-                words = _words(domain, beside, seed)
-                rows.append(_grounded(model, demonstrations, title, beside, words, quiet))
+        for title, beside in put_beside(domain, judge, seed).items():
+            words = _words(domain, beside, seed)
+            rows.append(_grounded(model, demonstrations, title, beside, words, quiet))
         return rows
 
 
@@ -168,9 +168,16 @@ def _programs(
 def _words(domain: Domain, told: Sequence[Sentence], seed: int) -> list[str]:
     """A sentence for each program."""
     return [
-        " ".join(Speaker(domain, generator(seed, "told", number)).sentence(each.program))
+        _said(domain, each.program, generator(seed, "told", number))
         for number, each in enumerate(told)
     ]
+
+
+def _said(domain: Domain, program: Program, rng: np.random.Generator) -> str:
+    (first, *_) = program
+    if first.distance_mm is not None:
+        return DistanceSentences(domain, rng).of_side(first)
+    return " ".join(Speaker(domain, rng).sentence(program))
 
 
 def _grounded(

@@ -55,6 +55,7 @@ REASONS = (
     "only_on_table",
     "already_on_table",
     "no_room_on_table",
+    "hidden_reference",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
@@ -471,6 +472,8 @@ class StepMessage(ctypes.Structure):
         ("reference_relation_count", ctypes.c_uint32),
         # Those relations.
         ("reference_relations", RelationMessage * 2),
+        # The distance between the faces of the two, millimetres; 0 where the sentence names none.
+        ("distance_mm", ctypes.c_uint32),
         # Id of the object to move; 0 if the step is not grounded, and then all fields below are
         # 0.
         ("object_id", ctypes.c_uint32),
@@ -491,7 +494,7 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (212, 4)
+    LAYOUT: ClassVar = (216, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
@@ -505,21 +508,22 @@ class StepMessage(ctypes.Structure):
         "reference_which": 68,
         "reference_relation_count": 72,
         "reference_relations": 76,
-        "object_id": 116,
-        "reference_id": 120,
-        "object_score": 124,
-        "reference_score": 128,
-        "confidence": 132,
-        "position": 164,
-        "orientation": 176,
-        "location": 192,
+        "distance_mm": 116,
+        "object_id": 120,
+        "reference_id": 124,
+        "object_score": 128,
+        "reference_score": 132,
+        "confidence": 136,
+        "position": 168,
+        "orientation": 180,
+        "location": 196,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.efbad8f1abdc34da"
+        return "nsrm.v1.StepMessage.e45d9d560755ab3a"
 
 
 class PlanReply(ctypes.Structure):
@@ -554,7 +558,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (2776, 8)
+    LAYOUT: ClassVar = (2808, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -576,7 +580,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.45eea5f5d2d49f37"
+        return "nsrm.v1.PlanReply.68b12293f6f4fb08"
 
 
 class SubGoal(ctypes.Structure):

@@ -34,6 +34,7 @@ PARTS = {
         "several",
         "repairs",
         "sequence",
+        "distances",
         "apart",
         "ordinals",
         "arrangements",

@@ -1,5 +1,7 @@
 //! Programs and plans, as plain values.
 
+use std::num::NonZeroU16;
+
 use nsrm::json::{action_name, description};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -13,6 +15,7 @@ pub(crate) struct Step {
     action: String,
     object: Described,
     reference: Described,
+    distance_mm: Option<u16>,
 }
 
 impl Step {
@@ -21,6 +24,7 @@ impl Step {
             action: action_name(model, step.action).to_owned(),
             object: Described(description(model, &step.object)),
             reference: Described(description(model, &step.reference)),
+            distance_mm: step.distance_mm.map(NonZeroU16::get),
         }
     }
 }
@@ -32,8 +36,10 @@ impl Step {
             action,
             object,
             reference,
+            distance_mm,
         } = self;
-        format!("Step(action={action:?}, object={object}, reference={reference})")
+        let distance = distance_mm.map_or(String::new(), |mm| format!(", distance_mm={mm}"));
+        format!("Step(action={action:?}, object={object}, reference={reference}{distance})")
     }
 }
 
@@ -108,6 +114,7 @@ pub(crate) struct PlannedStep {
     action: String,
     object: Described,
     reference: Described,
+    distance_mm: Option<u16>,
     object_id: u32,
     reference_id: u32,
     object_anchor_ids: Vec<u32>,
@@ -149,6 +156,7 @@ impl Plan {
                 action,
                 object,
                 reference,
+                distance_mm,
             } = Step::new(model, understood);
             let pose = &planned.sub_goal.pose;
             let position: [f32; 3] = pose.translation.vector.into();
@@ -157,6 +165,7 @@ impl Plan {
                 action,
                 object,
                 reference,
+                distance_mm,
                 object_id: planned.object.object,
                 reference_id: planned.reference.object,
                 object_anchor_ids: planned.object.anchors().to_vec(),

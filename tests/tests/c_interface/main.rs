@@ -71,6 +71,7 @@ fn golden_scenes_and_sentences_give_the_same_bits_as_in_rust() {
     sentences.extend(others.filter_map(|line| Some(line.split('\t').nth(1)?.to_owned())));
     sentences.push("put the bleu block on the gren block".into());
     sentences.push("put the red block next to the blue block".into());
+    sentences.push("put the red block 2 cm to the left of the blue one".into());
     sentences.push("put the second block from the left on the third red one from the top".into());
     sentences.push("ü".repeat(2100));
 

@@ -147,8 +147,8 @@ impl Requests {
     fn program(&mut self, parsed: &Parsed, program: &Program) {
         for (step, decisions) in program.steps().iter().zip(parsed.decisions()) {
             self.line(&format!(
-                "parsed: action {} concepts {} {} relations {} {} kinds {} {} which {} {} span {} \
-                 {}",
+                "parsed: action {} concepts {} {} relations {} {} kinds {} {} which {} {} mm {} \
+                 span {} {}",
                 step.action,
                 step.object.concepts().len(),
                 step.reference.concepts().len(),
@@ -158,6 +158,7 @@ impl Requests {
                 kind(&step.reference),
                 which(&step.object),
                 which(&step.reference),
+                step.distance_mm.map_or(0, std::num::NonZeroU16::get),
                 decisions.span.start,
                 decisions.span.end,
             ));
@@ -228,6 +229,10 @@ impl Requests {
                 object: id,
             }
             | Refusal::NoRoomOnTable {
+                step: n,
+                object: id,
+            }
+            | Refusal::HiddenReference {
                 step: n,
                 object: id,
             }

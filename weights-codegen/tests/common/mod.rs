@@ -112,6 +112,17 @@ pub(crate) fn domain() -> Value {
             "afterthoughts": ["but first", "although first"],
             "next": ", then",
         },
+        "distances": {
+            "sides": ["Flank"],
+            "units": {"mm": 1, "cm": 10.0},
+            "numbers": {"half a": 0.5, "a": 1},
+            "before": ["by", "at a distance of"],
+            "behind": ["away"],
+            "from": ["off"],
+            "beside": "beside",
+            "unless": ["the"],
+            "usual_mm": 25,
+        },
         "apart": {"between": ["and"], "phrases": ["whose finish is", "then"]},
         "ordinals": {
             "counts": [["first"], ["second", "2nd"]],

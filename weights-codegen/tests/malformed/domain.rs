@@ -478,3 +478,28 @@ fn an_order_of_steps_that_cannot_be_said() {
         refused_domain(spoil, &["no sentence can contain"]);
     }
 }
+
+#[test]
+fn distances_that_cannot_be_said_or_are_none() {
+    for (key, text, length) in [("units", "cm", 0.0), ("numbers", "two", -2.0)] {
+        let error = refused_domain(
+            |domain| domain["distances"][key] = json!({text: length}),
+            &["distances", text, "must be a positive number"],
+        );
+        assert_eq!(error, ModelError::Length { text: text.into() });
+    }
+    refused_domain(
+        |domain| domain["distances"]["sides"] = json!(["Lift"]),
+        &["distances.sides", "no action \"Lift\""],
+    );
+    refused_domain(
+        |domain| domain["distances"]["beside"] = json!("beneath"),
+        &["distances", "beneath", "not a word of the domain"],
+    );
+    for key in ["before", "behind", "from", "unless"] {
+        refused_domain(
+            |domain| domain["distances"][key] = json!(["By"]),
+            &["no sentence can contain"],
+        );
+    }
+}

@@ -1,5 +1,7 @@
 //! From a step's encoded words to its symbols: action, roles of its groups, and arguments.
 
+use core::num::NonZeroU16;
+
 use super::{Decided, ParsingTask, Stage, not_finite};
 use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
 use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
@@ -123,6 +125,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             self.unclear.get_or_insert((step as u8, pronoun.span));
         }
         let chosen = self.compound_action(step, action.index, reference.index)?;
+        let distance_mm = self.distance_mm(step, chosen, reference.index)?;
         check_table(
             self.model,
             chosen,
@@ -151,6 +154,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             action: chosen,
             object: description,
             reference: reference_description,
+            distance_mm,
         };
         // As many places as segments.
         let _ = self.parsed.program.push(symbols);
@@ -278,6 +282,34 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             probability: 0.0,
             threshold: self.model.header.thresholds.decision,
         }
+    }
+
+    /// The distance that a step says; refused where it is none of where its object is put beside another one.
+    ///
+    /// * `reference`: which of the heads it is
+    fn distance_mm(
+        &self,
+        step: usize,
+        action: u8,
+        reference: usize,
+    ) -> Result<Option<NonZeroU16>, Refusal> {
+        let tokens = self.segments.tokens(step);
+        let mut said = self.reader.distances().iter();
+        let mut said = said.by_ref().filter(|distance| distance.is_in(&tokens));
+        let Some(distance) = said.next() else {
+            return Ok(None);
+        };
+        let group = self.roles.chain(reference).ok_or(Refusal::InvalidModel)?;
+        let is_of_reference = distance.is_of(&group, &tokens, self.reader.tokens());
+        if said.next().is_some() || !is_of_reference || !self.model.puts_aside(action) {
+            return Err(Refusal::UnclearWords {
+                step: step as u8,
+                span: distance.span,
+                probability: 0.0,
+                threshold: self.model.header.thresholds.decision,
+            });
+        }
+        Ok(Some(distance.mm))
     }
 
     /// Refuses a reading of a pronoun that is not meant; what the sentence lacks is told of the reading

@@ -40,6 +40,10 @@ pub(super) enum Rewriting {
     Beside {
         from: usize,
     },
+    /// For distances.
+    Distances {
+        from: usize,
+    },
     Done,
 }
 
@@ -79,6 +83,7 @@ impl Reader {
                 self.rewriting = self.replace_compound(said, from)?;
             }
             Rewriting::Beside { from } => self.join(said, from, true)?,
+            Rewriting::Distances { from } => self.leave_out_distance(said, from)?,
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
         Ok(true)
@@ -144,7 +149,7 @@ impl Reader {
         let Some(joint) = joint else {
             self.rewriting = match directly {
                 false => Rewriting::Ordinals { from: 0 },
-                true => Rewriting::Done,
+                true => Rewriting::Distances { from: 0 },
             };
             return Ok(());
         };
@@ -236,6 +241,31 @@ impl Reader {
             (self.tokens, from) = said.with_compound(&self.tokens, &meant)?;
         }
         Ok(Rewriting::Compounds { from })
+    }
+
+    /// Leaves out the words of the next distance, if there is one, and keeps what they say.
+    #[inline(never)]
+    fn leave_out_distance(
+        &mut self,
+        said: PhraseMatcher<'_, '_>,
+        from: usize,
+    ) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        // A number in digits and a unit are unknown.
+        let distance = match self.unknown() {
+            Some(_) => places.find_map(|at| said.distance(&self.tokens, at)),
+            None => None,
+        };
+        self.rewriting = Rewriting::Done;
+        // More than there can be steps are refused for their words.
+        if let Some(found) = distance
+            && !self.distances.is_full()
+        {
+            let (distance, from) = said.leave_out(&mut self.tokens, &found)?;
+            let _ = self.distances.push(distance);
+            self.rewriting = Rewriting::Distances { from };
+        }
+        Ok(())
     }
 
     /// Whether known words of a kind are rewritten in this reading: all or none.

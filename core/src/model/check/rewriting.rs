@@ -1,9 +1,9 @@
-//! What is rewritten before a sentence is read: ordinals, arrangements, the table and compounds.
+//! What is rewritten before a sentence is read: ordinals, arrangements, the table, compounds and distances.
 
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
-    COMPOSED, Compound, CompoundKind, CountedFrom, MAX_SIDES, Model, Ordinals, Ranked, Repairs,
-    Sequence, SequenceText, Table,
+    COMPOSED, Compound, CompoundKind, CountedFrom, Distances, MAX_SIDES, Model, Ordinals, Ranked,
+    Repairs, Sequence, SequenceText, Table,
 };
 
 impl<'a> Model<'a> {
@@ -115,6 +115,42 @@ impl<'a> Model<'a> {
         }
     }
 
+    pub(super) fn check_distances(&self) -> Result<(), ModelFault<'a>> {
+        let Distances {
+            sides,
+            units,
+            numbers,
+            before,
+            behind,
+            from,
+            beside,
+            unless,
+            ..
+        } = self.distances;
+        let fault = |text| Err(ModelFault::DistanceText(text));
+        let units_in_order = first_unsorted(units.iter().map(|unit| unit.text));
+        let numbers_in_order = first_unsorted(numbers.iter().map(|number| number.text));
+        let mut lists = [before, behind, from, unless].into_iter();
+        let unsorted = lists.find_map(|texts| first_unsorted(texts.iter().copied()));
+        if let Some(text) = units_in_order.or(numbers_in_order).or(unsorted) {
+            return fault(text);
+        }
+        let units = units.iter().map(|unit| (unit.text, unit.mm));
+        let numbers = numbers.iter().map(|number| (number.text, number.value));
+        let is_positive = |number: f32| number.is_finite() && number > 0.0;
+        let mut sizes = units.chain(numbers);
+        let is_there = |side: &u8| usize::from(*side) < self.actions.len();
+        let has_side = !sides.is_empty() && sides.iter().all(is_there);
+        if let Some((text, _)) = sizes.find(|(_, size)| !has_side || !is_positive(*size)) {
+            return fault(text);
+        }
+        let beside = (!from.is_empty()).then_some(beside);
+        match self.first_unknown(beside.into_iter()) {
+            Some(text) => Err(ModelFault::DistanceWord(text)),
+            None => Ok(()),
+        }
+    }
+
     pub(super) fn check_ordinals(&self) -> Result<(), ModelFault<'a>> {
         let Ordinals {
             ranked,
@@ -219,6 +255,7 @@ impl<'a> Model<'a> {
             && self.apart.phrases.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()
+            && self.distances.is_empty()
             && self.ordinals.is_empty()
             && !self.table.is_place()
             && self.compounds.said.is_empty()

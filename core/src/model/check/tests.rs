@@ -2,9 +2,9 @@ use super::*;
 use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
-    Count, CountedFrom, Embeddings, Heard, LexiconEntry, MAX_SIDES, Opening, Ordinals, Plural,
-    Pronoun, Ranked, Repairs, Sequence, SequenceText, Several, Spelling, Table, Word,
-    WordEmbeddings,
+    Count, CountedFrom, DistanceNumber, DistanceUnit, Embeddings, Heard, LexiconEntry, MAX_SIDES,
+    Opening, Ordinals, Plural, Pronoun, Ranked, Repairs, Sequence, SequenceText, Several, Spelling,
+    Table, Word, WordEmbeddings,
 };
 
 #[test]
@@ -499,4 +499,32 @@ fn each_fault_of_repairs_and_of_a_sequence_is_named() {
             "{fault}"
         );
     }
+}
+
+#[test]
+fn each_fault_of_distances_is_named() {
+    let check = |change: &dyn Fn(&mut crate::model::Distances<'static>)| {
+        let mut model = fixture::with_distances();
+        change(&mut model.distances);
+        model.check()
+    };
+    const UNIT: DistanceUnit<'_> = DistanceUnit::new().with_text("cm").with_mm(10.0);
+    const NUMBER: DistanceNumber<'_> = DistanceNumber::new().with_text("two");
+    let text = |text| Err(ModelFault::DistanceText(text));
+    assert_eq!(check(&|_| {}), Ok(()));
+    assert_eq!(check(&|all| all.units = &[UNIT, UNIT]), text("cm"));
+    assert_eq!(
+        check(&|all| all.units = &[const { UNIT.with_mm(f32::NAN) }]),
+        text("cm")
+    );
+    assert_eq!(check(&|all| all.numbers = &[NUMBER]), text("two"));
+    assert_eq!(check(&|all| all.numbers = &[NUMBER, NUMBER]), text("two"));
+    assert_eq!(check(&|all| all.before = &["by", "about"]), text("about"));
+    assert_eq!(check(&|all| all.behind = &[""]), text(""));
+    assert_eq!(check(&|all| all.from = &["from", "from"]), text("from"));
+    assert_eq!(check(&|all| all.unless = &["the", "a"]), text("a"));
+    let word = Err(ModelFault::DistanceWord("beneath"));
+    assert_eq!(check(&|all| all.beside = "past beneath"), word);
+    assert_eq!(check(&|all| all.sides = &[]), text("cm"));
+    assert_eq!(check(&|all| all.sides = &[1, 2]), text("cm"));
 }

@@ -1,0 +1,304 @@
+//! The statics of what is rewritten before a sentence is read.
+
+use nsrm_core::model::Model;
+
+use super::{Static, table};
+use crate::tree::{Describe, Node};
+
+/// The fields of the model's record.
+pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
+    vec![
+        (
+            "several",
+            Node::record(
+                "Several",
+                [
+                    ("between", Node::Reference("BETWEEN")),
+                    ("plurals", Node::Reference("PLURALS")),
+                ],
+            ),
+        ),
+        (
+            "repairs",
+            Node::record(
+                "Repairs",
+                [
+                    ("corrections", Node::Reference("REPAIRS_CORRECTIONS")),
+                    ("exclusions", Node::Reference("REPAIRS_EXCLUSIONS")),
+                ],
+            ),
+        ),
+        (
+            "sequence",
+            Node::record(
+                "Sequence",
+                [
+                    ("later", Node::Reference("SEQUENCE_LATER")),
+                    ("earlier", Node::Reference("SEQUENCE_EARLIER")),
+                    ("first_words", Node::Reference("SEQUENCE_FIRST_WORDS")),
+                    ("next", model.sequence.next.describe()),
+                ],
+            ),
+        ),
+        (
+            "distances",
+            Node::record(
+                "Distances",
+                [
+                    ("sides", Node::Reference("DISTANCE_SIDES")),
+                    ("units", Node::Reference("DISTANCE_UNITS")),
+                    ("numbers", Node::Reference("DISTANCE_NUMBERS")),
+                    ("before", Node::Reference("DISTANCE_BEFORE")),
+                    ("behind", Node::Reference("DISTANCE_BEHIND")),
+                    ("from", Node::Reference("DISTANCE_FROM")),
+                    ("beside", model.distances.beside.describe()),
+                    ("unless", Node::Reference("DISTANCE_UNLESS")),
+                    ("usual_mm", model.distances.usual_mm.describe()),
+                ],
+            ),
+        ),
+        (
+            "apart",
+            Node::record(
+                "Apart",
+                [
+                    ("between", Node::Reference("APART_BETWEEN")),
+                    ("phrases", Node::Reference("APART_PHRASES")),
+                ],
+            ),
+        ),
+        (
+            "ordinals",
+            Node::record(
+                "Ordinals",
+                [
+                    ("ranked", Node::Reference("RANKED")),
+                    ("counts", Node::Reference("COUNTS")),
+                    ("from", Node::Reference("COUNTED_FROM")),
+                    ("first_words", Node::Reference("COUNTED_FIRST_WORDS")),
+                    ("articles", Node::Reference("COUNTED_ARTICLES")),
+                    ("nouns", Node::Reference("COUNTED_NOUNS")),
+                    ("unless", Node::Reference("NOT_COUNTED")),
+                ],
+            ),
+        ),
+        (
+            "arrangements",
+            Node::record(
+                "Arrangements",
+                [
+                    ("between", Node::Reference("LIST_BETWEEN")),
+                    ("ends", Node::Reference("LIST_ENDS")),
+                    ("next", model.arrangements.next.describe()),
+                    ("arrangements", Node::Reference("ARRANGEMENTS")),
+                    ("openings", Node::Reference("OPENINGS")),
+                    ("closings", Node::Reference("CLOSINGS")),
+                ],
+            ),
+        ),
+        (
+            "table",
+            Node::record(
+                "Table",
+                [
+                    ("action", model.table.action.describe()),
+                    ("sides", Node::Reference("TABLE_SIDES")),
+                    ("off", Node::Reference("TABLE_OFF")),
+                    ("sources", Node::Reference("TABLE_SOURCES")),
+                    ("unless", Node::Reference("TABLE_UNLESS")),
+                    ("removing", Node::Reference("TABLE_REMOVING")),
+                    ("taking", model.table.taking.describe()),
+                    ("standing", model.table.standing.describe()),
+                    ("order", model.table.order.describe()),
+                    ("down", Node::Reference("TABLE_DOWN")),
+                    ("relation", model.table.relation.describe()),
+                ],
+            ),
+        ),
+    ]
+}
+
+/// The statics that they refer to.
+pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
+    vec![
+        table("BETWEEN", "several.between", "u16", model.several.between),
+        table(
+            "PLURALS",
+            "several.plurals",
+            "Plural<'static>",
+            model.several.plurals,
+        ),
+        table(
+            "REPAIRS_CORRECTIONS",
+            "repairs.corrections",
+            "&str",
+            model.repairs.corrections,
+        ),
+        table(
+            "REPAIRS_EXCLUSIONS",
+            "repairs.exclusions",
+            "&str",
+            model.repairs.exclusions,
+        ),
+        table(
+            "SEQUENCE_LATER",
+            "sequence.later",
+            "SequenceText<'static>",
+            model.sequence.later,
+        ),
+        table(
+            "SEQUENCE_EARLIER",
+            "sequence.earlier",
+            "SequenceText<'static>",
+            model.sequence.earlier,
+        ),
+        table(
+            "SEQUENCE_FIRST_WORDS",
+            "sequence.first_words",
+            "&str",
+            model.sequence.first_words,
+        ),
+        table(
+            "DISTANCE_SIDES",
+            "distances.sides",
+            "u8",
+            model.distances.sides,
+        ),
+        table(
+            "DISTANCE_UNITS",
+            "distances.units",
+            "DistanceUnit<'static>",
+            model.distances.units,
+        ),
+        table(
+            "DISTANCE_NUMBERS",
+            "distances.numbers",
+            "DistanceNumber<'static>",
+            model.distances.numbers,
+        ),
+        table(
+            "DISTANCE_BEFORE",
+            "distances.before",
+            "&str",
+            model.distances.before,
+        ),
+        table(
+            "DISTANCE_BEHIND",
+            "distances.behind",
+            "&str",
+            model.distances.behind,
+        ),
+        table(
+            "DISTANCE_FROM",
+            "distances.from",
+            "&str",
+            model.distances.from,
+        ),
+        table(
+            "DISTANCE_UNLESS",
+            "distances.unless",
+            "&str",
+            model.distances.unless,
+        ),
+        table(
+            "APART_BETWEEN",
+            "apart.between",
+            "&str",
+            model.apart.between,
+        ),
+        table(
+            "APART_PHRASES",
+            "apart.phrases",
+            "&str",
+            model.apart.phrases,
+        ),
+        table(
+            "RANKED",
+            "ordinals.ranked",
+            "Ranked<'static>",
+            model.ordinals.ranked,
+        ),
+        table(
+            "COUNTS",
+            "ordinals.counts",
+            "Count<'static>",
+            model.ordinals.counts,
+        ),
+        table(
+            "COUNTED_FROM",
+            "ordinals.from",
+            "CountedFrom<'static>",
+            model.ordinals.from,
+        ),
+        table(
+            "COUNTED_FIRST_WORDS",
+            "ordinals.first_words",
+            "&str",
+            model.ordinals.first_words,
+        ),
+        table(
+            "COUNTED_ARTICLES",
+            "ordinals.articles",
+            "&str",
+            model.ordinals.articles,
+        ),
+        table(
+            "COUNTED_NOUNS",
+            "ordinals.nouns",
+            "&str",
+            model.ordinals.nouns,
+        ),
+        table(
+            "NOT_COUNTED",
+            "ordinals.unless",
+            "&str",
+            model.ordinals.unless,
+        ),
+        table(
+            "LIST_BETWEEN",
+            "arrangements.between",
+            "&str",
+            model.arrangements.between,
+        ),
+        table(
+            "LIST_ENDS",
+            "arrangements.ends",
+            "&str",
+            model.arrangements.ends,
+        ),
+        table(
+            "ARRANGEMENTS",
+            "arrangements.arrangements",
+            "Arrangement<'static>",
+            model.arrangements.arrangements,
+        ),
+        table(
+            "OPENINGS",
+            "arrangements.openings",
+            "Opening<'static>",
+            model.arrangements.openings,
+        ),
+        table(
+            "CLOSINGS",
+            "arrangements.closings",
+            "Closing<'static>",
+            model.arrangements.closings,
+        ),
+        table("TABLE_SIDES", "table.sides", "u8", model.table.sides),
+        table("TABLE_OFF", "table.off", "&str", model.table.off),
+        table(
+            "TABLE_SOURCES",
+            "table.sources",
+            "&str",
+            model.table.sources,
+        ),
+        table("TABLE_UNLESS", "table.unless", "&str", model.table.unless),
+        table(
+            "TABLE_REMOVING",
+            "table.removing",
+            "&str",
+            model.table.removing,
+        ),
+        table("TABLE_DOWN", "table.down", "&str", model.table.down),
+    ]
+}
