@@ -538,7 +538,7 @@ def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
         assert (count, wrong) == (number, 0) and right >= least_right
     assert counts["sentences; to refuse"] == [67, 0, 67, 0]
     count, right, _, wrong = counts["sentences; to refuse; misspelt"]
-    assert count >= 670 and right == 0 and wrong <= 3
+    assert count >= 660 and right == 0 and wrong <= 3
     assert f"{out}: 4 rows" in capsys.readouterr().out
 
 

@@ -7,6 +7,7 @@ precomputes (cosines, a table of losses, hard choices) is the same again.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import jax
@@ -67,11 +68,16 @@ class TrainingError(HarnessError):
     """A training run that cannot start, or whose result cannot be used."""
 
 
+Loss = Callable[[Any, Any, tuple[Any, ...], Array, Array], Array]
+LOSSES = 16
+"""Number of configurations for which the loss of a stage is kept."""
+
+
 class Stage(NamedTuple):
     """Everything the trainer needs to run a stage.
 
-    The data is in `sets` and `shared`, and the loss contains none of it: it is compiled once for
-    all data with the same shapes.
+    The data is in `sets` and `shared`, and the loss contains none of it. It is the same function
+    for all runs with the same configuration, and compiled once for all data with the same shapes.
     """
 
     name: str
@@ -80,7 +86,7 @@ class Stage(NamedTuple):
     """Trees of arrays; a batch takes the same number of rows of each."""
     shared: Any
     """Arrays that every batch needs."""
-    loss: Callable[[Any, Any, tuple[Any, ...], Array, Array], Array]
+    loss: Loss
     """Maps model, `shared`, a batch of each set, a key and the finished share of the stage to the
     batch's mean loss."""
 
@@ -132,7 +138,12 @@ def one_step_stage(
     `exploration` decays to zero in the first half of the stage.
     """
     _some(chosen, f"{name}: no one-step commands")
+    loss = _one_step(config, exploration)
+    return Stage(name, stage, (demonstrations(data, chosen),), lookup(data), loss)
 
+
+@lru_cache(LOSSES)
+def _one_step(config: TrainingConfig, exploration: float | None) -> Loss:
     def loss(
         model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
     ) -> Array:
@@ -156,12 +167,16 @@ def one_step_stage(
 
         return jax.vmap(one)(keys, demonstration, similarities).mean()
 
-    return Stage(name, stage, (demonstrations(data, chosen),), lookup(data), loss)
+    return loss
 
 
 def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
     """(c): the splitter on a table of losses of whole commands and of their remainders."""
+    return Stage("splitter", config.splitter, (table,), (), _splitter(config))
 
+
+@lru_cache(LOSSES)
+def _splitter(config: TrainingConfig) -> Loss:
     def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         table: SplitTable = batch[0]
 
@@ -181,7 +196,7 @@ def splitter_stage(config: TrainingConfig, table: SplitTable) -> Stage:
         keys = jax.random.split(key, len(table.first))
         return jax.vmap(one)(keys, *table).mean()
 
-    return Stage("splitter", config.splitter, (table,), (), loss)
+    return loss
 
 
 def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
@@ -189,8 +204,13 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
     one, two = data.select(1), data.select(2)
     _some(one, "joint: no one-step commands")
     _some(two, "joint: no two-step commands")
-    width = data.sentences.longest_step()
+    sets = (demonstrations(data, one), demonstrations(data, two))
+    loss = _joint(config, data.sentences.longest_step())
+    return Stage("joint", config.joint, sets, lookup(data), loss)
 
+
+@lru_cache(LOSSES)
+def _joint(config: TrainingConfig, width: int) -> Loss:
     def loss(
         model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
     ) -> Array:
@@ -220,8 +240,7 @@ def joint_stage(config: TrainingConfig, data: TrainingSet) -> Stage:
         second = jax.vmap(two)(keys[half:], double, similarities[half:])
         return (first.mean() + second.mean()) / 2
 
-    sets = (demonstrations(data, one), demonstrations(data, two))
-    return Stage("joint", config.joint, sets, lookup(data), loss)
+    return loss
 
 
 def simulator_stage(
@@ -230,7 +249,11 @@ def simulator_stage(
     """(e): the simulator on the model's own choices, rolled out."""
     _some(chosen, "simulator: no commands that the model can execute")
     scenes = demonstrations(data, chosen).scene
+    return Stage("simulator", config.simulator, ((scenes, choices),), (), _simulator(config))
 
+
+@lru_cache(LOSSES)
+def _simulator(config: TrainingConfig) -> Loss:
     def rollout(model: Model, scene: SceneArrays, choices: Choices) -> Array:
         simulator = model.action.simulator
         locations = scene.before
@@ -249,28 +272,28 @@ def simulator_stage(
     def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
-    return Stage("simulator", config.simulator, ((scenes, choices),), (), loss)
+    return loss
 
 
 def perception_stage(config: TrainingConfig, data: TrainingSet, table: ReferenceTable) -> Stage:
     """(f): only perception, on the descriptions of confirmed steps: the mean surprise, in nats,
     that the intended object matches and no other in the scene does."""
     _some(np.asarray(table.meant), "perception: no commands that the model executes correctly")
+    return Stage("perception", config.perception, (table,), lookup(data), _perception_loss)
 
-    def loss(
-        model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
-    ) -> Array:
-        table: ReferenceTable = batch[0]
-        similarities = see(model, lookup.crops, table.crop_of, key)
 
-        def surprise(similarities: Array, present: Array, groups: Array, meant: Array) -> Array:
-            scores = jax.vmap(filter_scene, (None, 0))(similarities, groups)
-            alone = jax.vmap(unique, (0, None))(scores, present)
-            return -alone[jnp.arange(len(meant)), meant].mean()
+def _perception_loss(
+    model: Model, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
+) -> Array:
+    table: ReferenceTable = batch[0]
+    similarities = see(model, lookup.crops, table.crop_of, key)
 
-        return jax.vmap(surprise)(similarities, table.present, table.groups, table.meant).mean()
+    def surprise(similarities: Array, present: Array, groups: Array, meant: Array) -> Array:
+        scores = jax.vmap(filter_scene, (None, 0))(similarities, groups)
+        alone = jax.vmap(unique, (0, None))(scores, present)
+        return -alone[jnp.arange(len(meant)), meant].mean()
 
-    return Stage("perception", config.perception, (table,), lookup(data), loss)
+    return jax.vmap(surprise)(similarities, table.present, table.groups, table.meant).mean()
 
 
 def parser_stage(
@@ -290,6 +313,11 @@ def parser_stage(
         "parser: no two-step commands that the model executes correctly",
     )
 
+    return Stage("parser", config.parser, (table, following), said, _parser(config))
+
+
+@lru_cache(LOSSES)
+def _parser(config: TrainingConfig) -> Loss:
     def loss(model: Model, said: Said, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         steps, following = batch
         others = jax.tree.map(lambda column: jnp.roll(column, 1, axis=0), steps)
@@ -313,7 +341,7 @@ def parser_stage(
         keys = jax.random.split(key, len(steps.length))
         return jax.vmap(one)(keys, steps, following, others).mean()
 
-    return Stage("parser", config.parser, (table, following), said, loss)
+    return loss
 
 
 def _some(chosen: np.ndarray, problem: str) -> None:

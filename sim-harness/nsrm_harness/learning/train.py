@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,6 +35,7 @@ from nsrm_harness.learning.stages import (
     PERCEPTION_AND_PARSER,
     SIMULATOR,
     SPLITTER,
+    Loss,
     Stage,
 )
 
@@ -55,6 +57,8 @@ GRADIENT_NORM = 1.0
 OPTIMIZER = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.scale_by_adam())
 """Adam on clipped gradients; the learning rate decays along a cosine over a stage."""
 SECONDS_A_CHECKPOINT = 5.0
+STEPS = 16
+"""Number of optimiser steps that are kept, each compiled for a loss and a model."""
 NEXT_ATTEMPT = 1_000_003
 """Added to the seed for each further attempt."""
 
@@ -274,7 +278,11 @@ class Fit:
         changing, structure = jax.tree.flatten((trained, state.optimizer))
         fixed, fixed_structure = jax.tree.flatten(fixed)
         if self._step is None:
-            self._step = _compiled(self._stage, structure, fixed_structure, rest)
+            # Leaves without numbers, functions for instance.
+            others, rest_structure = jax.tree.flatten(rest)
+            self._step = _compiled(
+                self._stage.loss, structure, fixed_structure, tuple(others), rest_structure
+            )
         losses = []
         for number in range(self._batches):
             batch = _take(self._stage.sets, tuple(row[number] for row in rows))
@@ -287,14 +295,16 @@ class Fit:
         return state, float(np.mean(jax.device_get(losses)))
 
 
+@lru_cache(STEPS)
 def _compiled(
-    stage: Stage, structure: Any, fixed_structure: Any, rest: Any
+    loss_of: Loss, structure: Any, fixed_structure: Any, others: tuple[Any, ...], rest: Any
 ) -> Callable[..., tuple[list[Array], Array]]:
     """One optimiser step: maps the leaves of the trained tensors and their moments to new ones and
-    the loss.
+    the loss. It is traced and compiled once for all runs of a process.
 
     * `structure`: structure of the trained tensors and their moments
-    * `fixed_structure`: structure of the other tensors; `rest`: the model without tensors
+    * `fixed_structure`: structure of the other tensors
+    * `others`, `rest`: leaves and structure of the model without tensors
     """
 
     @jax.jit
@@ -309,11 +319,13 @@ def _compiled(
         rate: Array,
     ) -> tuple[list[Array], Array]:
         trained, moments = jax.tree.unflatten(structure, changing)
-        kept = eqx.combine(jax.tree.unflatten(fixed_structure, fixed), rest)
+        kept = eqx.combine(
+            jax.tree.unflatten(fixed_structure, fixed), jax.tree.unflatten(rest, others)
+        )
         drawn = jax.random.fold_in(key, number)
 
         def loss(trained: Any) -> Array:
-            return stage.loss(eqx.combine(trained, kept), shared, batch, drawn, done)
+            return loss_of(eqx.combine(trained, kept), shared, batch, drawn, done)
 
         value, gradient = jax.value_and_grad(loss)(trained)
         directions, moments = OPTIMIZER.update(gradient, moments, trained)

@@ -174,16 +174,16 @@ def wording_stage(
     config: WordingConfig, steps: ToldSteps, misses: NearMisses, unsplit: Unsplit
 ) -> Stage:
     """Parser and splitter on told steps and near misses."""
+    return Stage(NAME, config.stage, (steps, misses, unsplit), (), _loss)
 
-    def loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
-        steps, misses, unsplit = batch
-        alone = jax.random.bernoulli(key, ALONE, steps.length.shape)
-        meaning = jax.vmap(lambda step, alone: _step_loss(model.language, step, alone))
-        nothing = jax.vmap(lambda miss: _nothing_loss(model.language, miss))
-        whole = jax.vmap(lambda command: _whole_loss(model.language, command))
-        return meaning(steps, alone).mean() + nothing(misses).mean() + whole(unsplit).mean()
 
-    return Stage(NAME, config.stage, (steps, misses, unsplit), (), loss)
+def _loss(model: Model, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
+    steps, misses, unsplit = batch
+    alone = jax.random.bernoulli(key, ALONE, steps.length.shape)
+    meaning = jax.vmap(lambda step, alone: _step_loss(model.language, step, alone))
+    nothing = jax.vmap(lambda miss: _nothing_loss(model.language, miss))
+    whole = jax.vmap(lambda command: _whole_loss(model.language, command))
+    return meaning(steps, alone).mean() + nothing(misses).mean() + whole(unsplit).mean()
 
 
 def _step_loss(language: Language, step: ToldSteps, alone: Array) -> Array:
