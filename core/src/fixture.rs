@@ -302,6 +302,7 @@ pub(crate) fn model() -> Model<'static> {
         embeddings,
         pronouns: &[],
         several: Several::new(),
+        rephrasing: Rephrasing::new(),
         repairs: Repairs::new(),
         sequence: Sequence::new(),
         distances: Distances::new(),

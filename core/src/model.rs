@@ -20,6 +20,7 @@ mod distance;
 mod embeddings;
 mod ordinal;
 mod repair;
+mod rephrasing;
 mod sequence;
 mod table;
 
@@ -29,6 +30,7 @@ pub use distance::{DistanceNumber, DistanceUnit, Distances};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
+pub use rephrasing::{Rephrased, Rephrasing};
 pub use sequence::{Sequence, SequenceText};
 pub use table::{MAX_SIDES, Table};
 
@@ -96,6 +98,8 @@ pub struct Model<'a> {
     pub pronouns: &'a [Pronoun],
     /// What may be said of several objects.
     pub several: Several<'a>,
+    /// What is read as other words.
+    pub rephrasing: Rephrasing<'a>,
     /// How something is taken back.
     pub repairs: Repairs<'a>,
     /// In which order steps are carried out that are said in another one.

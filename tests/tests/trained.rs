@@ -34,8 +34,17 @@ const EXECUTED: [(&str, &[u32]); 8] = [
 ];
 
 /// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
-/// and rows, what is taken back, steps in another order, distances, and their programs.
-const PARSED: [(&str, &str); 43] = [
+/// and rows, what is taken back, steps in another order, distances, phrases that are read as others, and their programs.
+const PARSED: [(&str, &str); 45] = [
+    (
+        "move the red block so that it is to the left of the blue one",
+        "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "The red block is supposed to be on the blue one. Once that's done, I'd appreciate it if you put green on white.",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(white, Scene())))",
+    ),
     (
         "put the red block two centimetres to the left of the blue one",
         "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())), Distance(0.020))",

@@ -18,7 +18,7 @@ use compounds::Compounds;
 pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
-use rewriting::{Apart, Repairs, Sequence, Table};
+use rewriting::{Apart, Repairs, Rephrasing, Sequence, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
 /// Keys of a relation of everyday wording that name rules.
@@ -60,6 +60,9 @@ pub struct Domain {
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
+    /// What is read as other words.
+    #[serde(default)]
+    pub rephrasing: Rephrasing,
     /// How something is taken back.
     #[serde(default)]
     pub repairs: Repairs,
@@ -330,6 +333,7 @@ impl Domain {
             None => {
                 self.check_pronouns()?;
                 self.check_several()?;
+                self.check_rephrasing()?;
                 self.check_repairs()?;
                 self.check_sequence()?;
                 self.check_distances()?;

@@ -127,6 +127,12 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// What is read in place of a phrase is no word of the domain.
+    #[error("domain: rephrasing: {word:?} is not a word of the domain; add it to the grammar")]
+    Rephrased {
+        /// The word.
+        word: String,
+    },
     /// What is read where steps are put in order is no word of the domain.
     #[error("domain: sequence: {word:?} is not a word of the domain; add it to the grammar")]
     Sequence {

@@ -21,7 +21,9 @@ use crate::metadata::{self, Metadata};
 use crate::rounded::Rounded;
 use crate::tensors::Tensors;
 use distances::DistanceParts;
-use rewriting::{ArrangementParts, CompoundParts, OrdinalParts, SequenceParts, TableParts};
+use rewriting::{
+    ArrangementParts, CompoundParts, OrdinalParts, RephrasingParts, SequenceParts, TableParts,
+};
 
 /// A model read from a safetensors file, checked and folded.
 ///
@@ -56,6 +58,7 @@ struct Parts<'a> {
     pronouns: Vec<Pronoun>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
+    rephrasing: RephrasingParts<'a>,
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
     distances: DistanceParts<'a>,
@@ -166,6 +169,7 @@ impl OwnedModel {
                     .with_between(&parts.between)
                     .with_plurals(&parts.plurals),
             )
+            .with_rephrasing(parts.rephrasing.lent())
             .with_repairs(
                 Repairs::new()
                     .with_corrections(&parts.repairs[0])
@@ -263,6 +267,7 @@ impl<'a> Parts<'a> {
                     Ok(Plural::new().with_text(text).with_word(word))
                 })
                 .collect::<Result<_, ModelError>>()?,
+            rephrasing: RephrasingParts::new(domain),
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             sequence: SequenceParts::new(domain),

@@ -7,8 +7,8 @@ use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
     Count, CountedFrom, DistanceNumber, DistanceUnit, Embeddings, Header, Heard,
     Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Ranked,
-    SPLITTER_HIDDEN, SequenceText, Simulator, Superlative, Thresholds, ViewEncoder, Word,
-    WordEmbeddings, WorkSpace,
+    Rephrased, SPLITTER_HIDDEN, SequenceText, Simulator, Superlative, Thresholds, ViewEncoder,
+    Word, WordEmbeddings, WorkSpace,
 };
 use nsrm_core::nn::{Cell, Dense};
 
@@ -43,6 +43,7 @@ describe! {
     Ranked<'_> { name, extreme, rank }
     Count<'_> { text, rank }
     CountedFrom<'_> { text, extreme, is_first }
+    Rephrased<'_> { text, read_as }
     SequenceText<'_> { text, read_as, is_afterthought }
     DistanceUnit<'_> { text, mm }
     DistanceNumber<'_> { text, value }

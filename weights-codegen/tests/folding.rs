@@ -59,6 +59,12 @@ fn names_stand_with_their_parameters() {
             .map(|plural| (plural.text, plural.word))
             .eq([("jars", 2)])
     );
+    let said = model.rephrasing.said.iter();
+    assert!(
+        said.map(|said| (said.text, said.read_as))
+            .eq([("do so", ""), ("is supposed to", "then")])
+    );
+    assert_eq!(model.rephrasing.first_words, ["do", "is"]);
     assert_eq!(model.repairs.corrections, ["no", "oh no"]);
     assert_eq!(model.repairs.exclusions, ["not"]);
     let texts = |texts: &[SequenceText<'_>]| -> Vec<(String, String, bool)> {

@@ -8,9 +8,9 @@
 use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
-use super::tokens::{Tokens, push, span_of};
+use super::tokens::{Tokens, span_of};
 use super::words::find;
-use super::{Span, Token, TokenKind};
+use super::{Token, TokenKind};
 use crate::model::{Compound, CompoundKind};
 use crate::refusal::Refusal;
 
@@ -93,26 +93,6 @@ impl<'a> PhraseMatcher<'_, 'a> {
         Some((compound, u8::try_from(index).ok()?))
     }
 
-    /// Appends the words as which a compound is read, the last of them marked.
-    pub(super) fn write_compound(
-        &self,
-        compound: &Compound<'_>,
-        index: u8,
-        span: Span,
-        read: &mut Tokens,
-    ) -> Result<(), Refusal> {
-        self.write_words(compound.read, span, read)?;
-        if let Some(token) = read.last_mut()
-            && let TokenKind::Word(word) = token.kind
-        {
-            token.kind = TokenKind::Compound {
-                word,
-                compound: index,
-            };
-        }
-        Ok(())
-    }
-
     /// The tokens with these words replaced, and the index of the one behind.
     pub(super) fn with_compound(
         &self,
@@ -127,15 +107,21 @@ impl<'a> PhraseMatcher<'_, 'a> {
         } = meant;
         let words = tokens.get(said.clone()).unwrap_or_default();
         let span = span_of(words).ok_or(Refusal::InvalidModel)?;
-        let mut read = Tokens::new();
-        // As many fit.
-        let _ = read.extend_from_slice(tokens.get(..said.start).unwrap_or_default());
-        self.write_compound(compound, *index, span, &mut read)?;
-        let behind = read.len();
-        for token in tokens.get(said.end..).unwrap_or_default() {
-            push(&mut read, token.kind, token.span)?;
-        }
+        let (mut read, behind) = self.with_words(tokens, said, compound.read, span)?;
+        mark(&mut read, behind, *index);
         Ok((read, behind))
+    }
+}
+
+/// Marks the last of the words as which a compound is read.
+///
+/// * `behind`: index of the token behind them
+pub(super) fn mark(tokens: &mut Tokens, behind: usize, compound: u8) {
+    let last = behind.checked_sub(1).and_then(|last| tokens.get_mut(last));
+    if let Some(token) = last
+        && let TokenKind::Word(word) = token.kind
+    {
+        token.kind = TokenKind::Compound { word, compound };
     }
 }
 

@@ -8,8 +8,9 @@
 use core::num::NonZeroU16;
 use core::ops::Range;
 
+use super::compounds::mark;
 use super::phrases::{PhraseMatcher, parts};
-use super::tokens::{Tokens, push, span_of};
+use super::tokens::{Tokens, span_of};
 use super::words::{find, letters, next_word};
 use super::{Span, Token, TokenKind};
 use crate::model::{Distances, Model};
@@ -149,18 +150,13 @@ impl PhraseMatcher<'_, '_> {
     #[inline(never)]
     fn put_beside(&self, tokens: &mut Tokens, at: usize, span: Span) -> Result<usize, Refusal> {
         let beside = self.model.distances.beside;
-        let mut read = Tokens::new();
-        // As many fit.
-        let _ = read.extend_from_slice(tokens.get(..at).unwrap_or_default());
-        match self.beside(tokens, at, beside) {
-            Some((compound, index)) => self.write_compound(compound, index, span, &mut read)?,
-            None => self.write_words(beside, span, &mut read)?,
+        let compound = self.beside(tokens, at, beside);
+        let words = compound.map_or(beside, |(compound, _)| compound.read);
+        let behind;
+        (*tokens, behind) = self.with_words(tokens, &(at..at), words, span)?;
+        if let Some((_, index)) = compound {
+            mark(tokens, behind, index);
         }
-        let behind = read.len();
-        for token in tokens.get(at..).unwrap_or_default() {
-            push(&mut read, token.kind, token.span)?;
-        }
-        *tokens = read;
         Ok(behind)
     }
 

@@ -20,6 +20,7 @@ mod phrases;
 mod pronouns;
 mod relations;
 mod repairs;
+mod rephrasing;
 mod segments;
 mod sequence;
 mod spelling;

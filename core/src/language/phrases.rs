@@ -5,7 +5,7 @@ use core::ops::Range;
 use super::tokens::{Tokens, push};
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind};
-use crate::model::{CompoundText, CountedFrom, DistanceNumber, Model, SequenceText};
+use crate::model::{CompoundText, CountedFrom, DistanceNumber, Model, Rephrased, SequenceText};
 use crate::refusal::Refusal;
 
 /// Compares the tokens of a sentence with texts: words in lower case with one space in between.
@@ -144,6 +144,26 @@ impl<'a> PhraseMatcher<'_, 'a> {
         }
     }
 
+    /// The tokens with others in place of these, and the index of the one behind: words of the model, none for an
+    /// empty text.
+    pub(super) fn with_words(
+        &self,
+        tokens: &[Token],
+        replaced: &Range<usize>,
+        words: &str,
+        span: Span,
+    ) -> Result<(Tokens, usize), Refusal> {
+        let mut read = Tokens::new();
+        // As many fit.
+        let _ = read.extend_from_slice(tokens.get(..replaced.start).unwrap_or_default());
+        self.write_words(words, span, &mut read)?;
+        let behind = read.len();
+        for token in tokens.get(replaced.end..).unwrap_or_default() {
+            push(&mut read, token.kind, token.span)?;
+        }
+        Ok((read, behind))
+    }
+
     /// Appends words of the model; none for an empty text.
     pub(super) fn write_words(
         &self,
@@ -176,6 +196,7 @@ pub(super) enum TextList<'t> {
     Compound(&'t [CompoundText<'t>]),
     Sequence(&'t [SequenceText<'t>]),
     Number(&'t [DistanceNumber<'t>]),
+    Rephrased(&'t [Rephrased<'t>]),
 }
 
 impl<'t> TextList<'t> {
@@ -185,6 +206,7 @@ impl<'t> TextList<'t> {
             Self::Counted(texts) => texts.get(index).map(|counted| counted.text),
             Self::Compound(texts) => texts.get(index).map(|said| said.text),
             Self::Sequence(texts) => texts.get(index).map(|said| said.text),
+            Self::Rephrased(texts) => texts.get(index).map(|said| said.text),
             Self::Number(texts) => texts.get(index).map(|number| number.text),
         }
     }
@@ -217,6 +239,12 @@ impl<'t> From<&'t [SequenceText<'t>]> for TextList<'t> {
 impl<'t> From<&'t [DistanceNumber<'t>]> for TextList<'t> {
     fn from(texts: &'t [DistanceNumber<'t>]) -> Self {
         Self::Number(texts)
+    }
+}
+
+impl<'t> From<&'t [Rephrased<'t>]> for TextList<'t> {
+    fn from(texts: &'t [Rephrased<'t>]) -> Self {
+        Self::Rephrased(texts)
     }
 }
 

@@ -101,6 +101,7 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
 ///
+/// Phrases are read as others that mean the same ([`crate::model::Rephrasing`]).
 /// A description that is taken back or ruled out ([`crate::model::Repairs`]), "the red block" in "the red block, no, the
 /// green one", is left out. Two steps that are said in another order ([`crate::model::Sequence`]), "before you put …, put …",
 /// are put in order. Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
@@ -183,7 +184,7 @@ impl Reader {
             choice: 0,
             readings: 1,
             distances: Vec::new(),
-            rewriting: Rewriting::Repairs { from: 0 },
+            rewriting: Rewriting::Rephrasing { from: 0 },
             chosen: [None; Twofold::COUNT],
         }
     }

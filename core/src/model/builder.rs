@@ -7,9 +7,9 @@ use super::{
     DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
     Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
     OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked,
-    Repairs, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several,
-    Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
-    WORD, Word, WordEmbeddings, WorkSpace,
+    Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence,
+    SequenceText, Several, Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING,
+    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -56,6 +56,7 @@ builder! {
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         several, with_several: Several<'a> = Several::UNSET;
+        rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
         sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
         distances, with_distances: Distances<'a> = Distances::UNSET;
@@ -141,6 +142,14 @@ builder! {
         text, with_text: &'a str = "";
         pattern, with_pattern: u8 = NOWHERE;
         arrangement, with_arrangement: u8 = NOWHERE;
+    }
+    ['a] Rephrasing<'a> {
+        said, with_said: &'a [Rephrased<'a>] = &[];
+        first_words, with_first_words: &'a [&'a str] = &[];
+    }
+    ['a] Rephrased<'a> {
+        text, with_text: &'a str = "";
+        read_as, with_read_as: &'a str = "";
     }
     ['a] Repairs<'a> {
         corrections, with_corrections: &'a [&'a str] = &[];

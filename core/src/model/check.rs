@@ -72,6 +72,15 @@ pub enum ModelFault<'a> {
     /// A word that is read of the table is none of the model's; the word.
     #[error("word \"{0}\", which is read of the table, isn't there")]
     TableWord(&'a str),
+    /// A phrase that is read as another one, or a first word of one, is empty, or not sorted and unique, or the first word
+    /// isn't listed; the text.
+    #[error(
+        "\"{0}\", which is read as other words, is empty, out of order, repeated, or its first word is not listed"
+    )]
+    Rephrased(&'a str),
+    /// A word that is read in its place is none of the model's; the word.
+    #[error("word \"{0}\", which is read in place of other words, isn't there")]
+    RephrasedWord(&'a str),
     /// What stands before or behind something that is taken back is empty, or not sorted and unique; the text.
     #[error("\"{0}\", by which something is taken back, is empty, out of order or repeated")]
     RepairText(&'a str),
@@ -281,6 +290,7 @@ impl<'a> Model<'a> {
         }
         self.check_pronouns()?;
         self.check_several()?;
+        self.check_rephrasing()?;
         self.check_repairs()?;
         self.check_sequence()?;
         self.check_distances()?;

@@ -59,6 +59,7 @@ STREAMS = {
     "repairs": 93,
     "sequences": 94,
     "distances": 95,
+    "rephrased": 96,
 }
 
 

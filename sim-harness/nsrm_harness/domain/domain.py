@@ -270,6 +270,8 @@ class Domain:
     #: read behind it: "one's" for "its", or an empty text.
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
+    #: Phrases that are read as others.
+    rephrasing: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]
     #: In which order steps are carried out that are said in another one.
     sequence: Annotated[SequenceWords | None, Field(default=None), BeforeValidator(_not_null)]

@@ -31,7 +31,13 @@ from nsrm_harness.domain.domain import (
 from nsrm_harness.domain.ordinals import ordinals_of
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, parse
-from nsrm_harness.domain.rewriting import expanded, repairs_of, sequence_of, with_sides
+from nsrm_harness.domain.rewriting import (
+    expanded,
+    repairs_of,
+    rephrasing_of,
+    sequence_of,
+    with_sides,
+)
 
 #: The wording of the paper's domain.
 EVERYDAY = Path(__file__).resolve().parent / "everyday.toml"
@@ -43,8 +49,8 @@ _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
-    "synonyms", "extremes", "pronouns", "several", "repairs", "sequence", "distances", "apart",
-    "ordinals", "arrangements", "table", "compounds",
+    "synonyms", "extremes", "pronouns", "several", "rephrasing", "repairs", "sequence",
+    "distances", "apart", "ordinals", "arrangements", "table", "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -56,8 +62,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document = _document(domain)
     (
-        synonyms, extremes, pronouns, several, repairs, sequence, distances, apart, ordinals,
-        arrangements, table, compounds,
+        synonyms, extremes, pronouns, several, rephrasing, repairs, sequence, distances, apart,
+        ordinals, arrangements, table, compounds,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -75,6 +81,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["pronouns"] = pronouns
     if several:
         document["several"] = several
+    if rephrasing := rephrasing_of(rephrasing, str(path)):
+        document["rephrasing"] = rephrasing
     if repairs := repairs_of(repairs, str(path)):
         document["repairs"] = repairs
     if sequence := sequence_of(sequence, str(path)):

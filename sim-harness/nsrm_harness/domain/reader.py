@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _repairs, _sequence, _distances, _apart,
-        _ordinals, _arrangements, _table, _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _rephrasing, _repairs, _sequence, _distances,
+        _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -311,6 +311,17 @@ def _several(domain: Domain) -> Faults:
             yield "several.plurals", f"{word!r} is a word that describes objects"
         if singular not in known:
             yield f"several.plurals.{word}", f"{singular!r} is not a word of the grammar"
+
+
+def _rephrasing(domain: Domain) -> Faults:
+    """Phrases are read as those of the grammar."""
+    if not all(domain.rephrasing):
+        yield "rephrasing", "expected words: remove the empty string"
+    known = domain.other_words()
+    for text in filter(None, domain.rephrasing.values()):
+        for word in text.split(" "):
+            if word not in known:
+                yield "rephrasing", f"{word!r} is not a word of the grammar"
 
 
 def _repairs(domain: Domain) -> Faults:

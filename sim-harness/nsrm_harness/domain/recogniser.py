@@ -120,9 +120,15 @@ def means_compound(domain: Domain, sentence: str) -> bool:
 
 def means_rewritten(domain: Domain, sentence: str) -> bool:
     """Whether a sentence of known words may mean what the core reads in other words: a compound,
-    what is taken from another object, or steps in another order."""
-    meant = (means_compound, _means_source, _means_sequence)
+    what is taken from another object, steps in another order, or another phrase."""
+    meant = (means_compound, _means_source, _means_sequence, _means_rephrased)
     return any(means(domain, sentence) for means in meant)
+
+
+def _means_rephrased(domain: Domain, sentence: str) -> bool:
+    """Whether a sentence has a phrase that is read as another one."""
+    spaced = f" {' '.join(split(sentence))} "
+    return any(f" {text} " in spaced for text in domain.rephrasing)
 
 
 def _means_sequence(domain: Domain, sentence: str) -> bool:

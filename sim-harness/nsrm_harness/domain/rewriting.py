@@ -1,7 +1,7 @@
-"""What the core rewrites before it reads a sentence: what is taken back, which it leaves out,
-steps in another order than that in which they are carried out, values that stand apart, which it
-joins, the table where it is meant and not named, and towers and rows, which it reads as their
-steps.
+"""What the core rewrites before it reads a sentence: phrases that it reads as others, what is taken
+back, which it leaves out, steps in another order than that in which they are carried out, values
+that stand apart, which it joins, the table where it is meant and not named, and towers and rows,
+which it reads as their steps.
 
 The parser is not taught them.
 """
@@ -177,6 +177,20 @@ def repairs_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
         for key in ("corrections", "exclusions")
     }
     return texts if any(texts.values()) else None
+
+
+def rephrasing_of(table: Mapping[str, Any], source: str) -> dict[str, str] | None:
+    """Each phrase of a wording file that is read as another one, and that one; nothing if there is
+    none."""
+    rules = table.get("rules", {})
+    read = {
+        each: read_as
+        for read_as, texts in table.items()
+        if read_as != "rules"
+        for text in texts
+        for each in every_text(text, rules, (source, "rephrasing"))
+    }
+    return dict(sorted(read.items())) or None
 
 
 def sequence_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:

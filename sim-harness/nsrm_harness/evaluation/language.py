@@ -48,6 +48,7 @@ from nsrm_harness.data.on_table import TableSentences
 from nsrm_harness.data.ordinals import OrdinalSentences
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.repairs import RepairSentences
+from nsrm_harness.data.rephrased import RephrasedSentences
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.sequences import SequenceSentences
 from nsrm_harness.data.several import with_several
@@ -99,6 +100,8 @@ REPAIR_COUNT = 2000
 """How many sentences in which something is taken back, and how many of which nobody can tell."""
 SEQUENCE_COUNT = 2000
 """How many sentences of two steps in another order, and how many without any."""
+REPHRASED_COUNT = 2000
+"""How many sentences in other phrases, and how many in which these order nothing."""
 DISTANCE_COUNT = 2000
 """How many sentences with distances, and how many that mean none."""
 ORDINAL_COUNT = 2000
@@ -157,6 +160,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_several(domain, programs, seed)
     if domain.apart is not None:
         sets |= say_apart(domain, programs, seed)
+    if domain.rephrasing:
+        sets |= say_rephrased(domain, seed)
     if domain.repairs is not None:
         sets |= say_repairs(domain, seed)
     if domain.sequence is not None:
@@ -211,6 +216,16 @@ def say_apart(domain: Domain, programs: Sequence[Program], seed: int) -> dict[st
     return {
         "values apart": [(said, program) for said, program in told if said is not None],
         "values apart of one type": [(said, None) for said in refused if said is not None],
+    }
+
+
+def say_rephrased(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`REPHRASED_COUNT` sentences with phrases that are read as others, and as many in which these
+    order nothing, by the name of their set."""
+    sentences = RephrasedSentences(domain, generator(seed, "rephrased", 0))
+    return {
+        "other phrases": [sentences.draw() for _ in range(REPHRASED_COUNT)],
+        "no orders": [(sentences.near_miss(), None) for _ in range(REPHRASED_COUNT)],
     }
 
 

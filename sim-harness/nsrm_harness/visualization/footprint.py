@@ -32,6 +32,7 @@ PARTS = {
         "lexicon",
         "pronouns",
         "several",
+        "rephrasing",
         "repairs",
         "sequence",
         "distances",

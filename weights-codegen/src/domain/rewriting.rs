@@ -9,6 +9,9 @@ use serde::Deserialize;
 use super::{Domain, MAX_NAMES, at_most, not_empty, readable};
 use crate::error::ModelError;
 
+/// Phrases that are read as others; without them, all words are read as they stand.
+pub(super) type Rephrasing = BTreeMap<String, String>;
+
 /// Words by which something is taken back; without them, nothing is.
 #[derive(Debug, Clone, Default, Deserialize)]
 pub struct Repairs {
@@ -143,6 +146,27 @@ impl Domain {
         let mut words = said.flat_map(|text| text.split(' '));
         match words.find(|word| !readable(word)) {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+            None => Ok(()),
+        }
+    }
+
+    /// The first word of each phrase that is read as another one.
+    pub(crate) fn first_words_of_rephrasing(&self) -> BTreeSet<&str> {
+        let texts = self.rephrasing.keys();
+        texts.filter_map(|text| text.split(' ').next()).collect()
+    }
+
+    /// Checks that phrases can be read, and are read as words of the domain.
+    pub(super) fn check_rephrasing(&self) -> Result<(), ModelError> {
+        let mut said = self.rephrasing.keys().flat_map(|text| text.split(' '));
+        if let Some(word) = said.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.into() });
+        }
+        let words = self.words();
+        let read_as = self.rephrasing.values().filter(|text| !text.is_empty());
+        let mut read_as = read_as.flat_map(|text| text.split(' '));
+        match read_as.find(|word| !words.contains(*word)) {
+            Some(word) => Err(ModelError::Rephrased { word: word.into() }),
             None => Ok(()),
         }
     }

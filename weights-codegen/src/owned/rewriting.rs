@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
-    Opening, Ordinals, Ranked, Sequence, SequenceText, Table,
+    Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText, Table,
 };
 
 use super::index;
@@ -30,6 +30,12 @@ pub(super) struct ArrangementParts<'a> {
     arrangements: Vec<Arrangement<'a>>,
     openings: Vec<Opening<'a>>,
     closings: Vec<Closing<'a>>,
+}
+
+/// What core reads as slices of [`Rephrasing`].
+pub(super) struct RephrasingParts<'a> {
+    said: Vec<Rephrased<'a>>,
+    first_words: Vec<&'a str>,
 }
 
 /// What core reads as slices of [`Sequence`].
@@ -143,6 +149,24 @@ impl<'a> ArrangementParts<'a> {
             .with_arrangements(&self.arrangements)
             .with_openings(&self.openings)
             .with_closings(&self.closings)
+    }
+}
+
+impl<'a> RephrasingParts<'a> {
+    pub(super) fn new(domain: &'a Domain) -> Self {
+        let said = domain.rephrasing.iter();
+        let said =
+            said.map(|(text, read_as)| Rephrased::new().with_text(text).with_read_as(read_as));
+        Self {
+            said: said.collect(),
+            first_words: domain.first_words_of_rephrasing().into_iter().collect(),
+        }
+    }
+
+    pub(super) fn lent(&self) -> Rephrasing<'_> {
+        Rephrasing::new()
+            .with_said(&self.said)
+            .with_first_words(&self.first_words)
     }
 }
 

@@ -19,6 +19,16 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
             ),
         ),
         (
+            "rephrasing",
+            Node::record(
+                "Rephrasing",
+                [
+                    ("said", Node::Reference("REPHRASED")),
+                    ("first_words", Node::Reference("REPHRASED_FIRST_WORDS")),
+                ],
+            ),
+        ),
+        (
             "repairs",
             Node::record(
                 "Repairs",
@@ -127,6 +137,18 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "several.plurals",
             "Plural<'static>",
             model.several.plurals,
+        ),
+        table(
+            "REPHRASED",
+            "rephrasing.said",
+            "Rephrased<'static>",
+            model.rephrasing.said,
+        ),
+        table(
+            "REPHRASED_FIRST_WORDS",
+            "rephrasing.first_words",
+            "&str",
+            model.rephrasing.first_words,
         ),
         table(
             "REPAIRS_CORRECTIONS",

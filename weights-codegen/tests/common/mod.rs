@@ -105,6 +105,7 @@ pub(crate) fn domain() -> Value {
             "between": ["the"],
             "plurals": {"jars": "jar"},
         },
+        "rephrasing": {"is supposed to": "then", "do so": ""},
         "repairs": {"corrections": ["oh no", "no"], "exclusions": ["not"]},
         "sequence": {
             "later": {"before you": "", "before shifting": "shift"},

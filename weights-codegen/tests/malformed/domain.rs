@@ -503,3 +503,17 @@ fn distances_that_cannot_be_said_or_are_none() {
         );
     }
 }
+
+#[test]
+fn phrases_that_cannot_be_read_or_are_read_as_no_words() {
+    let error = refused_domain(
+        |domain| domain["rephrasing"] = json!({"is to": "ought to"}),
+        &["rephrasing", "\"ought\" is not a word of the domain"],
+    );
+    let word = "ought".into();
+    assert_eq!(error, ModelError::Rephrased { word });
+    refused_domain(
+        |domain| domain["rephrasing"] = json!({"Is to": ""}),
+        &["no sentence can contain"],
+    );
+}

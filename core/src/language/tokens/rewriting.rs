@@ -1,6 +1,6 @@
 //! Rewrites the tokens of a sentence once all are read, one piece at a time.
 
-use super::{Reader, Tokens, unclear};
+use super::{Reader, Tokens, span_of, unclear};
 use crate::language::phrases::PhraseMatcher;
 use crate::language::sequence::StepEnd;
 use crate::model::Model;
@@ -10,6 +10,10 @@ use crate::refusal::Refusal;
 /// looked at.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rewriting {
+    /// For phrases that are read as others.
+    Rephrasing {
+        from: usize,
+    },
     /// For what is taken back or ruled out.
     Repairs {
         from: usize,
@@ -64,15 +68,17 @@ impl Twofold {
 }
 
 impl Reader {
-    /// Does a piece of rewriting: leaves out what is taken back, puts steps in order, joins values that stand apart,
-    /// adds to descriptions what is counted, names the table where it is meant, replaces arrangements and compounds,
-    /// then joins values that stand beside each other. False if all tokens have been looked at, and none is unknown.
+    /// Does a piece of rewriting: reads phrases as others, leaves out what is taken back, puts steps in order, joins
+    /// values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
+    /// arrangements and compounds, joins values that stand beside each other, then leaves out distances. False if all
+    /// tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
             return Ok(false);
         }
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
+            Rewriting::Rephrasing { from } => self.rephrase(said, from)?,
             Rewriting::Repairs { from } => self.repair(said, from)?,
             Rewriting::Sequence => self.put_in_order(said)?,
             Rewriting::Apart { from } => self.join(said, from, false)?,
@@ -87,6 +93,24 @@ impl Reader {
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
         Ok(true)
+    }
+
+    /// Reads the next phrase as another one, if there is one.
+    #[inline(never)]
+    fn rephrase(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        let found = places.find_map(|at| said.rephrased(&self.tokens, at));
+        self.rewriting = match found {
+            None => Rewriting::Repairs { from: 0 },
+            Some((words, read_as)) => {
+                let span = span_of(self.tokens.get(words.clone()).unwrap_or_default());
+                let span = span.ok_or(Refusal::InvalidModel)?;
+                let from;
+                (self.tokens, from) = said.with_words(&self.tokens, &words, read_as, span)?;
+                Rewriting::Rephrasing { from }
+            }
+        };
+        Ok(())
     }
 
     /// Leaves out the next description that is taken back or ruled out, if there is one.

@@ -3,7 +3,7 @@
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
     COMPOSED, Compound, CompoundKind, CountedFrom, Distances, MAX_SIDES, Model, Ordinals, Ranked,
-    Repairs, Sequence, SequenceText, Table,
+    Repairs, Rephrasing, Sequence, SequenceText, Table,
 };
 
 impl<'a> Model<'a> {
@@ -81,6 +81,21 @@ impl<'a> Model<'a> {
         let mut texts = [corrections, exclusions].into_iter();
         match texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
             Some(text) => Err(ModelFault::RepairText(text)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_rephrasing(&self) -> Result<(), ModelFault<'a>> {
+        let Rephrasing { said, first_words } = self.rephrasing;
+        let texts = || said.iter().map(|said| said.text);
+        let unsorted = first_unsorted(texts()).or(first_unsorted(first_words.iter().copied()));
+        let begins = |text: &str| first_words.contains(&text.split(' ').next().unwrap_or_default());
+        if let Some(text) = unsorted.or_else(|| texts().find(|text| !begins(text))) {
+            return Err(ModelFault::Rephrased(text));
+        }
+        let read_as = said.iter().map(|said| said.read_as);
+        match self.first_unknown(read_as.filter(|text| !text.is_empty())) {
+            Some(text) => Err(ModelFault::RephrasedWord(text)),
             None => Ok(()),
         }
     }
@@ -253,6 +268,7 @@ impl<'a> Model<'a> {
     pub(crate) const fn has_no_rewriting(&self) -> bool {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
+            && self.rephrasing.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()
             && self.distances.is_empty()

@@ -3,8 +3,8 @@ use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Concept,
     Count, CountedFrom, DistanceNumber, DistanceUnit, Embeddings, Heard, LexiconEntry, MAX_SIDES,
-    Opening, Ordinals, Plural, Pronoun, Ranked, Repairs, Sequence, SequenceText, Several, Spelling,
-    Table, Word, WordEmbeddings,
+    Opening, Ordinals, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence,
+    SequenceText, Several, Spelling, Table, Word, WordEmbeddings,
 };
 
 #[test]
@@ -451,6 +451,36 @@ fn each_fault_of_what_is_counted_is_named() {
     assert_eq!(check(&|all| all.articles = &["b", "a"]), text("a"));
     assert_eq!(check(&|all| all.nouns = &["a", "a"]), text("a"));
     assert_eq!(check(&|all| all.unless = &[""]), text(""));
+}
+
+#[test]
+fn each_fault_of_what_is_read_as_other_words_is_named() {
+    let model = fixture::related();
+    let check = |texts: [&'static str; 2], read_as, first_words| {
+        let said = texts.map(|text| Rephrased::new().with_text(text).with_read_as(read_as));
+        let rephrasing = Rephrasing::new().with_said(&said);
+        let model = model.with_rephrasing(rephrasing.with_first_words(first_words));
+        model
+            .check()
+            .map_err(|fault| std::string::ToString::to_string(&fault))
+    };
+    let first: &[&str] = &["is", "so"];
+    assert_eq!(check(["is to", "so that"], "put", first), Ok(()));
+    assert_eq!(check(["is to", "so that"], "", first), Ok(()));
+    for (texts, first_words, named) in [
+        (["so that", "is to"], first, "\"is to\", which is read"),
+        (["is to", "so that"], &["so", "is"], "\"is\", which is read"),
+        (["", "so that"], first, "\"\", which is read"),
+        (["has to", "is to"], first, "\"has to\", which is read"),
+    ] {
+        let fault = check(texts, "put", first_words).unwrap_err();
+        assert!(fault.starts_with(named), "{fault}");
+    }
+    let fault = check(["is to", "so that"], "put beneath", first).unwrap_err();
+    assert!(
+        fault.starts_with("word \"beneath\", which is read"),
+        "{fault}"
+    );
 }
 
 #[test]

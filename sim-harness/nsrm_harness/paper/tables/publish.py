@@ -41,6 +41,8 @@ SETS = {
     "several of another number": "of none, or not two, in the scene; to refuse",
     "values apart": 'values that stand apart: "the small block that is red"',
     "values apart of one type": "two values of one type; to refuse",
+    "other phrases": '"the red block is supposed to be on …", "put it so that it is left of …"',
+    "no orders": "such that order nothing, to refuse",
     "repairs": '"the red block, no, the green one", "the red one, not the green one"',
     "no repairs": "such of which nobody can tell what is meant, to refuse",
     "order of time": 'two steps in another order: "before you put the red block on …, put …"',
