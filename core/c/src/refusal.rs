@@ -301,7 +301,7 @@ mod tests {
             let line = format!("NSRM_REFUSAL_{} = {number},", kind.to_uppercase());
             assert!(header.contains(&line), "{line}");
         }
-        let last = RefusalKind::NoRoomOnTable as usize;
+        let last = RefusalKind::HiddenReference as usize;
         assert_eq!(last, CoreRefusal::KINDS.len());
     }
 

@@ -93,12 +93,12 @@ impl<'a> PhraseMatcher<'_, 'a> {
         Some((compound, u8::try_from(index).ok()?))
     }
 
-    /// The tokens with these words replaced, and the index of the one behind.
-    pub(super) fn with_compound(
+    /// Replaces these words; the index of the token behind.
+    pub(super) fn replace_compound(
         &self,
-        tokens: &[Token],
+        tokens: &mut Tokens,
         meant: &Meant<'a>,
-    ) -> Result<(Tokens, usize), Refusal> {
+    ) -> Result<usize, Refusal> {
         let Meant {
             said,
             index,
@@ -107,9 +107,9 @@ impl<'a> PhraseMatcher<'_, 'a> {
         } = meant;
         let words = tokens.get(said.clone()).unwrap_or_default();
         let span = span_of(words).ok_or(Refusal::InvalidModel)?;
-        let (mut read, behind) = self.with_words(tokens, said, compound.read, span)?;
-        mark(&mut read, behind, *index);
-        Ok((read, behind))
+        let behind = self.replace(tokens, said, compound.read, span)?;
+        mark(tokens, behind, *index);
+        Ok(behind)
     }
 }
 

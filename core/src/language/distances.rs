@@ -121,20 +121,18 @@ impl PhraseMatcher<'_, '_> {
         tokens: &mut Tokens,
         said: &Said,
     ) -> Result<(Distance, usize), Refusal> {
-        let Range { start, end } = said.words;
-        let words = tokens.get(start..end).unwrap_or_default();
+        let words = tokens.get(said.words.clone()).unwrap_or_default();
         let span = span_of(words).ok_or(Refusal::InvalidModel)?;
-        let (mut to, mut from) = (start, end);
-        while let Some(&token) = tokens.get(from) {
-            if let Some(place) = tokens.get_mut(to) {
-                *place = token;
-            }
-            (to, from) = (to.saturating_add(1), from.saturating_add(1));
-        }
-        tokens.truncate(to);
-        let mut behind = start;
+        let start = said.words.start;
+        let mut behind = self.replace(tokens, &said.words, "", span)?;
         if said.is_from {
-            behind = self.put_beside(tokens, start, span)?;
+            let beside = self.model.distances.beside;
+            let compound = self.beside(tokens, start, beside);
+            let words = compound.map_or(beside, |(compound, _)| compound.read);
+            behind = self.replace(tokens, &(start..start), words, span)?;
+            if let Some((_, index)) = compound {
+                mark(tokens, behind, index);
+            }
         }
         let distance = Distance {
             // At most MAX_TOKENS.
@@ -144,20 +142,6 @@ impl PhraseMatcher<'_, '_> {
             span,
         };
         Ok((distance, behind))
-    }
-
-    /// Puts the words for any side before a token; the index behind them. A frame of its own for the copy.
-    #[inline(never)]
-    fn put_beside(&self, tokens: &mut Tokens, at: usize, span: Span) -> Result<usize, Refusal> {
-        let beside = self.model.distances.beside;
-        let compound = self.beside(tokens, at, beside);
-        let words = compound.map_or(beside, |(compound, _)| compound.read);
-        let behind;
-        (*tokens, behind) = self.with_words(tokens, &(at..at), words, span)?;
-        if let Some((_, index)) = compound {
-            mark(tokens, behind, index);
-        }
-        Ok(behind)
     }
 
     /// How many tokens a number and its unit take at the beginning of these, and the length in millimetres;

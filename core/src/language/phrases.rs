@@ -144,24 +144,44 @@ impl<'a> PhraseMatcher<'_, 'a> {
         }
     }
 
-    /// The tokens with others in place of these, and the index of the one behind: words of the model, none for an
-    /// empty text.
-    pub(super) fn with_words(
+    /// Puts words of the model in place of these tokens, none for an empty text; the index of the token behind
+    /// them. In place: a copy of the tokens would take 2 KB of the stack.
+    pub(super) fn replace(
         &self,
-        tokens: &[Token],
+        tokens: &mut Tokens,
         replaced: &Range<usize>,
         words: &str,
         span: Span,
-    ) -> Result<(Tokens, usize), Refusal> {
-        let mut read = Tokens::new();
-        // As many fit.
-        let _ = read.extend_from_slice(tokens.get(..replaced.start).unwrap_or_default());
-        self.write_words(words, span, &mut read)?;
-        let behind = read.len();
-        for token in tokens.get(replaced.end..).unwrap_or_default() {
-            push(&mut read, token.kind, token.span)?;
+    ) -> Result<usize, Refusal> {
+        let words = || parts(words).filter(|text| !text.is_empty());
+        let Range { start, end } = *replaced;
+        let behind = start.saturating_add(words().count());
+        let rest = tokens.len().saturating_sub(end);
+        let length = behind.saturating_add(rest);
+        while tokens.len() < length {
+            push(tokens, TokenKind::Unknown, span)?;
         }
-        Ok((read, behind))
+        for index in 0..rest {
+            // From behind, if there are more than before.
+            let index = if behind > end {
+                rest.saturating_sub(index.saturating_add(1))
+            } else {
+                index
+            };
+            let (from, to) = (end.saturating_add(index), behind.saturating_add(index));
+            if let Some(&token) = tokens.get(from)
+                && let Some(place) = tokens.get_mut(to)
+            {
+                *place = token;
+            }
+        }
+        tokens.truncate(length);
+        for (place, text) in tokens.iter_mut().skip(start).zip(words()) {
+            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
+            let kind = TokenKind::Word(index);
+            *place = Token { kind, span };
+        }
+        Ok(behind)
     }
 
     /// Appends words of the model; none for an empty text.

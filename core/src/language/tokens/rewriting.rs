@@ -105,8 +105,7 @@ impl Reader {
             Some((words, read_as)) => {
                 let span = span_of(self.tokens.get(words.clone()).unwrap_or_default());
                 let span = span.ok_or(Refusal::InvalidModel)?;
-                let from;
-                (self.tokens, from) = said.with_words(&self.tokens, &words, read_as, span)?;
+                let from = said.replace(&mut self.tokens, &words, read_as, span)?;
                 Rewriting::Rephrasing { from }
             }
         };
@@ -262,7 +261,7 @@ impl Reader {
         };
         let mut from = meant.behind();
         if meant.is_sure || self.chooses(Twofold::Compounds) {
-            (self.tokens, from) = said.with_compound(&self.tokens, &meant)?;
+            from = said.replace_compound(&mut self.tokens, &meant)?;
         }
         Ok(Rewriting::Compounds { from })
     }
