@@ -90,7 +90,7 @@ impl PhraseMatcher<'_, '_> {
             |token: &Token| token.is_group() || self.is_one_of(self.model.ordinals.nouns, token);
         let is_size =
             before.is_some_and(excludes) || (from.is_none() && next.is_some_and(has_size));
-        if is_size {
+        if is_size || self.follows_number(tokens, start) {
             return None;
         }
         let is_last = from.is_none() && next.is_none_or(|token| self.separates(token));
@@ -102,6 +102,16 @@ impl PhraseMatcher<'_, '_> {
             mm,
             is_last,
             is_from: from.is_some(),
+        })
+    }
+
+    /// Whether a number stands before a token, or before a comma there: "5 cm" in "2,5 cm" is not 5 cm.
+    fn follows_number(&self, tokens: &[Token], at: usize) -> bool {
+        let before = tokens.get(..at).unwrap_or_default().iter().rev();
+        let mut before = before.skip_while(|token| self.is_comma(token));
+        before.next().is_some_and(|token| {
+            let mut text = self.text(token);
+            !token.is_group() && decimal(&mut text).is_some() && text.is_empty()
         })
     }
 
@@ -306,6 +316,10 @@ mod tests {
             // Two of one step, or to two sides at once.
             "put red 2 cm right green by 3 cm",
             "put red 2 cm diagonally green",
+            // Numbers in another notation.
+            "put red 2,5 cm right green",
+            "put red 2 5 cm right green",
+            "put red right green , 2,5 cm away",
             // Vague, none, or too long.
             "put red some cm right green",
             "put red 0 cm right green",

@@ -54,7 +54,7 @@ SOURCES = ("from", "away from")
 NONE = (
     "at least {}", "at most {}", "more than {}", "less than {}", "up to {}", "within {}", "not {}",
     "0 cm or", "some centimetres", "{} or {}", "a few cm", "no more than {}", "the {}",
-    "between {} and {}", "every {}", "minus {}", "{} square",
+    "between {} and {}", "every {}", "minus {}", "2,{}", "1 {}", "{} square",
 )  # fmt: skip
 
 
