@@ -4,6 +4,7 @@
 mod common;
 mod domain;
 mod metadata;
+mod rewriting;
 mod tensors;
 
 use common::ModelFile;

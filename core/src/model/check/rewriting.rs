@@ -1,5 +1,8 @@
 //! What is rewritten before a sentence is read: ordinals, arrangements, the table, compounds and distances.
 
+#[cfg(test)]
+mod tests;
+
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
     COMPOSED, Compound, CompoundKind, CountedFrom, Distances, MAX_SIDES, Model, Ordinals, Ranked,
