@@ -115,9 +115,6 @@ impl fmt::Display for StepExplanation<'_> {
         let phrase = action_phrase(self.model, understood.action);
         write!(f, "Step {}: move ", self.step.saturating_add(1))?;
         self.object(&understood.object, &planned.object, f)?;
-        if let Some(mm) = understood.distance_mm {
-            write!(f, ", at a distance of {mm} mm,")?;
-        }
         write!(f, " {phrase} ")?;
         if understood.reference.filters().is_table() {
             let phrase = action_phrase(self.model, planned.action);
@@ -127,6 +124,9 @@ impl fmt::Display for StepExplanation<'_> {
             if planned.action != understood.action {
                 write!(f, ", {} it", action_phrase(self.model, planned.action))?;
             }
+        }
+        if let Some(mm) = understood.distance_mm {
+            write!(f, ", at a distance of {mm} mm")?;
         }
         write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }

@@ -44,6 +44,18 @@ fn an_object_is_put_as_far_away_as_is_said() {
 }
 
 #[test]
+fn a_distance_is_told_behind_the_reference() {
+    let model = fixture::with_distances();
+    let objects = [green(0.5, 0.5), red(2, 0.9, 0.5), lego()];
+    let plan = plan_with(&model, &objects, "put red 5 cm right green").unwrap();
+    let told = plan.explain(&model).to_string();
+    assert!(
+        told.contains("(id 1, score 1.00), at a distance of 50 mm; "),
+        "{told}"
+    );
+}
+
+#[test]
 fn a_distance_from_what_carries_another_object_is_refused() {
     let tower = [
         green(0.5, 0.5),
