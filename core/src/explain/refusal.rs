@@ -8,8 +8,9 @@ use crate::refusal::{Candidate, Candidates, Decision, LengthUnit, Quantity, Refu
 
 impl Refusal {
     /// The known word that may have been meant by an unknown one; see
-    /// [`nearest_word`]. None may for a word that only towers and rows have, and for one by which something is
-    /// taken back or ruled out: "not" doesn't mean "now".
+    /// [`nearest_word`](crate::language::nearest_word). None may for a word that only towers and rows have, for one
+    /// by which something is taken back or ruled out, and for a unit or a number of a distance: "not" doesn't mean
+    /// "now".
     ///
     /// * `model`, `sentence`: those that were refused
     ///
