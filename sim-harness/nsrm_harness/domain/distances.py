@@ -13,7 +13,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS
-from nsrm_harness.domain.rewriting import every_text
+from nsrm_harness.domain.rewriting import every_text_of
 from nsrm_harness.domain.wording import Identifier, Phrase
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
@@ -54,16 +54,7 @@ def distances_of(
     sides = [name for name in table.get("sides", ()) if name in actions]
     if not sides:
         return None
-    rules = table.get("rules", {})
-    lists = {
-        key: sorted(
-            {
-                each
-                for text in table.get(key, ())
-                for each in every_text(text, rules, (source, "distances"))
-            }
-        )
-        for key in ("before", "behind", "from", "unless")
-    }
+    keys = ("before", "behind", "from", "unless")
+    lists = {key: every_text_of(table, key, (source, "distances")) for key in keys}
     kept = {key: value for key, value in table.items() if key != "rules"}
     return {**kept, "sides": sides, **lists}

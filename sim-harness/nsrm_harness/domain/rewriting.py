@@ -165,17 +165,8 @@ def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, 
 
 def repairs_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
     """The repairs of a wording file with all their texts; nothing if there are none."""
-    rules = table.get("rules", {})
-    texts = {
-        key: sorted(
-            {
-                each
-                for text in table.get(key, ())
-                for each in every_text(text, rules, (source, "repairs"))
-            }
-        )
-        for key in ("corrections", "exclusions")
-    }
+    keys = ("corrections", "exclusions")
+    texts = {key: every_text_of(table, key, (source, "repairs")) for key in keys}
     return texts if any(texts.values()) else None
 
 
@@ -206,9 +197,7 @@ def sequence_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
         key: {each: read_as for text, read_as in table.get(key, {}).items() for each in every(text)}
         for key in ("later", "earlier")
     }
-    afterthoughts = sorted(
-        {each for text in table.get("afterthoughts", ()) for each in every(text)}
-    )
+    afterthoughts = every_text_of(table, "afterthoughts", (source, "sequence"))
     return {**read, "afterthoughts": afterthoughts, "next": table.get("next", "")}
 
 
@@ -248,6 +237,16 @@ def expanded(
     return (
         {**table, "ends": sorted(ends), "steps": steps, "patterns": patterns} if patterns else None
     )
+
+
+def every_text_of(table: Mapping[str, Any], key: str, where: tuple[str, str]) -> list[str]:
+    """All texts that those of a list stand for, sorted, with the table's own rules.
+
+    `where`: file and name of the table, for errors
+    """
+    rules = table.get("rules", {})
+    texts = table.get(key, ())
+    return sorted({each for text in texts for each in every_text(text, rules, where)})
 
 
 def every_text(text: str, rules: Mapping[str, list[str]], table: tuple[str, str]) -> list[str]:
