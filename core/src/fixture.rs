@@ -301,6 +301,7 @@ pub(crate) fn model() -> Model<'static> {
         words,
         embeddings,
         pronouns: &[],
+        placing: &[],
         several: Several::new(),
         rephrasing: Rephrasing::new(),
         repairs: Repairs::new(),
@@ -506,6 +507,7 @@ pub(crate) fn with_distances() -> Model<'static> {
         ("two", 2.0),
     ];
     let numbers = numbers.map(|(text, value)| DistanceNumber { text, value });
+    let shifts = ["right", "to the right"].map(|text| DistanceShift { text, action: 1 });
     let distances = Distances::new()
         .with_sides(&[1])
         .with_units(Box::leak(Box::new(units)))
@@ -515,8 +517,18 @@ pub(crate) fn with_distances() -> Model<'static> {
         .with_from(&["away from", "from"])
         .with_beside("past")
         .with_unless(&["the"])
+        .with_shifts(Box::leak(Box::new(shifts)))
+        .with_origins(&["from there"])
         .with_usual_mm(20);
-    let model = with_compounds().with_distances(distances);
+    let mut model = with_compounds().with_distances(distances);
+    let [on, right] = model.actions else {
+        panic!("two actions");
+    };
+    let right = Action {
+        phrase: "right",
+        ..*right
+    };
+    model.actions = Box::leak(Box::new([*on, right]));
     assert_eq!(model.check(), Ok(()));
     model
 }

@@ -26,7 +26,7 @@ mod table;
 
 pub use check::ModelFault;
 pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
-pub use distance::{DistanceNumber, DistanceUnit, Distances};
+pub use distance::{DistanceNumber, DistanceShift, DistanceUnit, Distances};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
@@ -96,6 +96,9 @@ pub struct Model<'a> {
     pub lexicon: &'a [LexiconEntry<'a>],
     /// Words that may stand for what the step before moved; sorted by word.
     pub pronouns: &'a [Pronoun],
+    /// Words that put an object somewhere and never only take it, "put", and not "get": behind a whole step of one of
+    /// them, a pronoun behind one is of another step. Indices into [`Model::words`]; sorted.
+    pub placing: &'a [u16],
     /// What may be said of several objects.
     pub several: Several<'a>,
     /// What is read as other words.

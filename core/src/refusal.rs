@@ -189,11 +189,19 @@ pub enum Refusal {
         /// Id of the object to move.
         object: u32,
     },
-    /// A distance is named from an object of which too little is seen: where it is, is not certain enough.
+    /// A distance is named from an object of which too little is seen: where it is, is not certain enough. It may be
+    /// the object that is moved.
     HiddenReference {
         /// Which step.
         step: u8,
-        /// Id of the reference.
+        /// Id of that object.
+        object: u32,
+    },
+    /// An object is to be moved by a distance from where it is, but does not stand on the table.
+    NotOnTable {
+        /// Which step.
+        step: u8,
+        /// Id of the object to move.
         object: u32,
     },
     /// A network's result is infinite or NaN.
@@ -436,6 +444,7 @@ kinds! {
     Self::AlreadyOnTable { .. } => "already_on_table",
     Self::NoRoomOnTable { .. } => "no_room_on_table",
     Self::HiddenReference { .. } => "hidden_reference",
+    Self::NotOnTable { .. } => "not_on_table",
 }
 
 impl core::error::Error for Refusal {}

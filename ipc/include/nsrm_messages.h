@@ -214,12 +214,14 @@ typedef struct nsrm_step_message {
     uint32_t reference_relation_count;
     /** Those relations. */
     nsrm_relation_message reference_relations[2];
-    /** The distance between the faces of the two, millimetres; 0 where the sentence names none. */
+    /** The distance between the faces of the two, or by which the object is moved from where it is,
+     *  millimetres; 0 where the sentence names none. */
     uint32_t distance_mm;
     /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
      *  0. */
     uint32_t object_id;
-    /** Id of the reference; of the table, that of the object beside which there is room. */
+    /** Id of the reference; of the table, that of the object beside which there is room; of the object
+     *  itself, its own. */
     uint32_t reference_id;
     /** How well the object fits its description, a cosine. */
     float object_score;
@@ -335,7 +337,8 @@ typedef struct nsrm_sub_goal {
     uint32_t action;
     /** Id of the object to move. */
     uint32_t object_id;
-    /** Id of the reference object; of the table, of the object beside which there is room. */
+    /** Id of the reference object; of the table, of the object beside which there is room; of the object
+     *  itself, its own. */
     uint32_t reference_id;
     /** Product of the step's probabilities, 0 to 1. */
     float confidence;
@@ -573,7 +576,8 @@ enum nsrm_reason {
     NSRM_REASON_ALREADY_ON_TABLE = 44,
     NSRM_REASON_NO_ROOM_ON_TABLE = 45,
     NSRM_REASON_HIDDEN_REFERENCE = 46,
-    NSRM_REASON_OTHER = 47,
+    NSRM_REASON_NOT_ON_TABLE = 47,
+    NSRM_REASON_OTHER = 48,
 };
 
 /* The publish-subscribe services `nsrm/v1/<robot>/<service>`, and the settings to open them with:

@@ -67,6 +67,7 @@ def test_the_usual_distance_is_that_of_the_demonstrations() -> None:
         ("numbers", {"two": -2}, "numbers.two"),
         ("usual_mm", 0, "usual_mm"),
         ("unless", "the", "unless"),
+        ("shifts", {"MoveLeft": "left"}, "shifts"),
         ("sides", ["MoveOn"], "sides: no action 'MoveOn'; expected some of MoveRight, "),
         ("behind", ["away", ""], "remove the empty string"),
         ("beside", "beneath", "'beneath' is not a word of the grammar"),

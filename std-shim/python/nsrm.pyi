@@ -183,7 +183,8 @@ class Step:
     def reference(self) -> Described: ...
     @property
     def distance_mm(self) -> int | None:
-        """The distance between the faces of the two; None where the sentence names none."""
+        """The distance between the faces of the two; None where the sentence names none. From the object
+        itself, that by which it is moved."""
 
 @final
 class Correction:
@@ -223,12 +224,14 @@ class PlannedStep:
     def reference(self) -> Described: ...
     @property
     def distance_mm(self) -> int | None:
-        """The distance between the faces of the two; None where the sentence names none."""
+        """The distance between the faces of the two; None where the sentence names none. From the object
+        itself, that by which it is moved."""
     @property
     def object_id(self) -> int: ...
     @property
     def reference_id(self) -> int:
-        """The reference; of the table, the object beside which there is room."""
+        """The reference; of the table, the object beside which there is room; of the object itself,
+        which is moved from where it is, that object."""
     @property
     def object_anchor_ids(self) -> list[int]:
         """The objects that its description relates it to: its own anchor, then the anchor's."""

@@ -223,7 +223,8 @@ fn scene_details(model: &Model<'_>, refusal: &Refusal) -> Option<Value> {
         Refusal::SameObject { step, object }
         | Refusal::AlreadyOnTable { step, object }
         | Refusal::NoRoomOnTable { step, object }
-        | Refusal::HiddenReference { step, object } => {
+        | Refusal::HiddenReference { step, object }
+        | Refusal::NotOnTable { step, object } => {
             json!({"step": step, "object_id": object})
         }
         Refusal::OutsideTrainingView {
@@ -273,8 +274,8 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
 
 /// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
 /// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `second leftmost`, `all`, `both` and, in plans,
-/// `each`; the table `{"concepts": [], "which": "table"}`; with relations `{"concepts": ["red"], "relation": {"name":
-/// "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
+/// `each`; the table `{"concepts": [], "which": "table"}`, and in the same way the moved object, `itself`; with relations
+/// `{"concepts": ["red"], "relation": {"name": "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();
     let innermost = relations.last().map(|relation| &relation.to);

@@ -15,8 +15,8 @@
 
 use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
-    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, DistanceUnit, Distances,
-    ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language,
+    ACCEPTABILITY_HIDDEN, Action, Attribute, CONCEPT, Concept, DistanceShift, DistanceUnit,
+    Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, INSTRUCTION, LOCATION, Language,
     LexiconEntry, MERGE_CHANNELS, MERGED, Model, OBJECT_EMBEDDING, PATCH_CHANNELS, PixelToCamera,
     Pronoun, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Simulator, Superlative, Table,
     Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
@@ -217,9 +217,12 @@ impl Parts {
     /// Adds distances, `mm`.
     pub fn add_distances(&mut self) {
         const UNITS: [DistanceUnit<'_>; 1] = [DistanceUnit::new().with_text("mm").with_mm(1.0)];
+        const SHIFTS: [DistanceShift<'_>; 1] =
+            [DistanceShift::new().with_text("aside").with_action(1)];
         self.distances = Distances::new()
             .with_sides(&[1])
             .with_units(&UNITS)
+            .with_shifts(&SHIFTS)
             .with_usual_mm(20);
     }
 

@@ -345,6 +345,16 @@ fn object_cases() -> Vec<Case> {
                 "hide too much of object 3 to measure a distance from it",
             )
         },
+        Case {
+            spoil: Parts::add_distances,
+            // As if it stood on another one.
+            disturb: |scene| scene.objects[0].location[4] -= EDGES_M[2],
+            ..said(
+                "put the small red block 20 mm aside",
+                |refusal| *refusal == Refusal::NotOnTable { step: 0, object: 1 },
+                "object 1 does not stand on the table",
+            )
+        },
         said(
             "put the blue block on the red block",
             |refusal| {

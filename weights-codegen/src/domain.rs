@@ -57,6 +57,9 @@ pub struct Domain {
     /// behind it: "one's" for "its", or an empty text.
     #[serde(default)]
     pub pronouns: BTreeMap<String, String>,
+    /// Words that put an object somewhere and never only take it.
+    #[serde(default)]
+    pub placing: BTreeSet<String>,
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
@@ -346,7 +349,7 @@ impl Domain {
         }
     }
 
-    /// Checks that pronouns, and what is read behind them, are words.
+    /// Checks that pronouns, what is read behind them, and what puts an object somewhere are words.
     fn check_pronouns(&self) -> Result<(), ModelError> {
         let words = self.words();
         let owners = self.pronouns.values().filter(|owner| !owner.is_empty());
@@ -354,6 +357,7 @@ impl Domain {
             .pronouns
             .keys()
             .chain(owners)
+            .chain(&self.placing)
             .find(|word| !words.contains(*word))
         {
             Some(word) => Err(ModelError::Pronoun { word: word.clone() }),

@@ -103,8 +103,8 @@ pub enum ModelError {
         /// Its name.
         name: String,
     },
-    /// A pronoun, or what is read behind it, is not a word of the domain.
-    #[error("domain: pronouns: {word:?} is not a word of the domain; name one that is")]
+    /// A pronoun, what is read behind it, or what puts an object somewhere is not a word of the domain.
+    #[error("domain: pronouns and placing: {word:?} is not a word of the domain; name one that is")]
     Pronoun {
         /// The word.
         word: String,
@@ -159,6 +159,18 @@ pub enum ModelError {
         /// The name.
         name: String,
     },
+    /// An object is moved in a direction that is none of the sides.
+    #[error("domain: distances.shifts: {name:?} is not in distances.sides; add it there")]
+    ShiftSide {
+        /// The name.
+        name: String,
+    },
+    /// Two directions are said with the same words.
+    #[error("domain: distances.shifts: {text:?} is said of two directions; remove it from one")]
+    ShiftText {
+        /// The words.
+        text: String,
+    },
     /// What is read where a distance has no side is no word of the domain.
     #[error("domain: distances: {word:?} is not a word of the domain; add it to the grammar")]
     DistanceWord {
@@ -180,7 +192,7 @@ pub enum ModelError {
     /// By its height, the highest object on the table may stand on the lowest one.
     #[error(
         "domain: table: the highest object is at least three times as high as the lowest, so that what stands on \
-         the table cannot be told; leave out the table, and what is any of several actions"
+         the table cannot be told; leave out the table, what is any of several actions, and distances.shifts"
     )]
     TableHeight,
     /// The table is read as something that is not a word of the domain.

@@ -56,6 +56,7 @@ struct Parts<'a> {
     words: Vec<Word<'a>>,
     lexicon: Vec<LexiconEntry<'a>>,
     pronouns: Vec<Pronoun>,
+    placing: Vec<u16>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
     rephrasing: RephrasingParts<'a>,
@@ -164,6 +165,7 @@ impl OwnedModel {
             .with_embeddings(parts.embeddings())
             .with_lexicon(&parts.lexicon)
             .with_pronouns(&parts.pronouns)
+            .with_placing(&parts.placing)
             .with_several(
                 Several::new()
                     .with_between(&parts.between)
@@ -258,6 +260,7 @@ impl<'a> Parts<'a> {
             words: words.map(|text| Word::new().with_text(text)).collect(),
             lexicon,
             pronouns: pronouns(owner)?,
+            placing: placing(owner)?,
             between: (domain.several.between.iter())
                 .map(|text| word_index(owner, text))
                 .collect::<Result<_, ModelError>>()?,
@@ -427,6 +430,15 @@ fn pronouns(owner: &Owner) -> Result<Vec<Pronoun>, ModelError> {
     let words = owner.vocabulary.iter().skip(1);
     let known = words.filter(|text| domain.pronouns.contains_key(*text));
     known.map(pronoun).collect()
+}
+
+/// The words that put an object somewhere, in the order of the vocabulary.
+fn placing(owner: &Owner) -> Result<Vec<u16>, ModelError> {
+    let words = owner.domain.placing.iter();
+    let words: Result<Vec<_>, _> = words.map(|text| word_index(owner, text)).collect();
+    let mut words = words?;
+    words.sort_unstable();
+    Ok(words)
 }
 
 /// The index of a word that the domain's check has found in the vocabulary.

@@ -5,7 +5,7 @@ mod rewriting;
 use nsrm_core::Camera;
 use nsrm_core::model::{
     ACCEPTABILITY_HIDDEN, Action, Arrangement, Attribute, Closing, Compound, CompoundText, Concept,
-    Count, CountedFrom, DistanceNumber, DistanceUnit, Embeddings, Header, Heard,
+    Count, CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Embeddings, Header, Heard,
     Int8WordEmbeddings, LexiconEntry, Model, Opening, PixelToCamera, Plural, Pronoun, Ranked,
     Rephrased, SPLITTER_HIDDEN, SequenceText, Simulator, Superlative, Thresholds, ViewEncoder,
     Word, WordEmbeddings, WorkSpace,
@@ -47,6 +47,7 @@ describe! {
     SequenceText<'_> { text, read_as, is_afterthought }
     DistanceUnit<'_> { text, mm }
     DistanceNumber<'_> { text, value }
+    DistanceShift<'_> { text, action }
     Arrangement<'_> { order, relation, is_reversed }
     Opening<'_> { text, pattern }
     Closing<'_> { text, pattern, arrangement }
@@ -72,6 +73,7 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
         ("embeddings", embeddings(&model.embeddings).0),
         ("lexicon", Node::Reference("LEXICON")),
         ("pronouns", Node::Reference("PRONOUNS")),
+        ("placing", Node::Reference("PLACING")),
     ];
     fields.extend(rewriting::records(model));
     fields.extend([
@@ -155,6 +157,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         embeddings(&model.embeddings).1,
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
+        table("PLACING", "placing", "u16", model.placing),
     ];
     statics.extend(rewriting::tables(model));
     statics.extend([

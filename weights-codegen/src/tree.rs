@@ -132,6 +132,7 @@ impl Describe for Property {
                     format!("Property::Quantifier(Quantifier::{quantifier:?})")
                 }
                 Self::Table => "Property::Table".into(),
+                Self::Itself => "Property::Itself".into(),
             },
             bytes: size_of::<Property>(),
         }

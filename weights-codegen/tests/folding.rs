@@ -52,6 +52,9 @@ fn names_stand_with_their_parameters() {
     let pronouns = model.pronouns.iter();
     let pronouns = pronouns.map(|pronoun| (pronoun.word, pronoun.owner));
     assert!(pronouns.eq([(3, Some(2)), (7, None)]));
+    let placing = model.placing.iter();
+    let placing = placing.map(|word| model.words[usize::from(*word)].text);
+    assert!(placing.eq(["near", "shift"]));
     assert_eq!(model.several.between, [6]);
     let plurals = model.several.plurals.iter();
     assert!(
@@ -106,6 +109,10 @@ fn names_stand_with_their_parameters() {
     );
     assert_eq!((distances.beside, distances.usual_mm), ("beside", 25));
     assert_eq!(distances.unless, ["the"]);
+    let shifts = distances.shifts.iter();
+    let shifts = shifts.map(|shift| (shift.text, shift.action));
+    assert!(shifts.eq([("aside", 1), ("sideways", 1)]));
+    assert_eq!(distances.origins, ["from there"]);
     assert_eq!(model.apart.between, ["and"]);
     assert_eq!(model.apart.phrases, ["whose finish is", "then"]);
     let counted = model.ordinals;

@@ -65,6 +65,9 @@
 /** `which`: the table, and no object. */
 #define NSRM_TABLE 515
 
+/** `which`: the object that is moved, from where it is. */
+#define ITSELF 516
+
 /**
  * `which`: with an index of `nsrm_ranked_name` added, what is counted from the farthest, the largest or the
  * smallest one, "the second from the left".
@@ -133,6 +136,8 @@ enum nsrm_property_kind_t
     NSRM_PROPERTY_QUANTIFIER = 2,
     /** That it is the table, and no object. */
     NSRM_PROPERTY_TABLE = 3,
+    /** That it is the object that is moved; no word says so. */
+    NSRM_PROPERTY_ITSELF = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -226,6 +231,8 @@ enum nsrm_refusal_kind_t
     NSRM_REFUSAL_NO_ROOM_ON_TABLE = 29,
     /** A distance is named from an object of which too little is seen: `step`, `object`. */
     NSRM_REFUSAL_HIDDEN_REFERENCE = 30,
+    /** What is to be moved by a distance from where it is does not stand on the table: `step`, `object`. */
+    NSRM_REFUSAL_NOT_ON_TABLE = 31,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -532,7 +539,10 @@ typedef struct nsrm_program_step_t {
     struct nsrm_description_t object;
     /** The reference. */
     struct nsrm_description_t reference;
-    /** The distance between the faces of the two, millimetres; 0 where the sentence names none. */
+    /**
+     * The distance between the faces of the two, millimetres; 0 where the sentence names none. With
+     * `NSRM_ITSELF` as the reference, that by which the object is moved.
+     */
     uint32_t distance_mm;
     /** The step's place in the sentence. */
     struct nsrm_span_t span;

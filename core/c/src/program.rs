@@ -35,6 +35,9 @@ pub const EACH: u32 = 514;
 /// `which`: the table, and no object.
 pub const TABLE: u32 = 515;
 
+/// `which`: the object that is moved, from where it is.
+pub const ITSELF: u32 = 516;
+
 /// `which`: with an index of `nsrm_ranked_name` added, what is counted from the farthest, the largest or the
 /// smallest one, "the second from the left".
 pub const RANKED: u32 = 1024;
@@ -48,6 +51,7 @@ const _: () = {
     assert!(Property::Quantifier(Quantifier::Both).which_number() == BOTH);
     assert!(Property::Quantifier(Quantifier::Each).which_number() == EACH);
     assert!(Property::Table.which_number() == TABLE);
+    assert!(Property::Itself.which_number() == ITSELF);
     assert!(Property::Ranked(3).which_number() == RANKED + 3);
 };
 
@@ -63,6 +67,8 @@ pub enum PropertyKind {
     Quantifier = 2,
     /// That it is the table, and no object.
     Table = 3,
+    /// That it is the object that is moved; no word says so.
+    Itself = 4,
 }
 
 /// What a word says of an object.
@@ -137,7 +143,8 @@ pub struct ProgramStep {
     pub object: Description,
     /// The reference.
     pub reference: Description,
-    /// The distance between the faces of the two, millimetres; 0 where the sentence names none.
+    /// The distance between the faces of the two, millimetres; 0 where the sentence names none. With
+    /// `NSRM_ITSELF` as the reference, that by which the object is moved.
     pub distance_mm: u32,
     /// The step's place in the sentence.
     pub span: Span,
@@ -194,6 +201,7 @@ impl From<dsl::Property> for Property {
             }
             dsl::Property::Quantifier(_) => (PropertyKind::Quantifier, property.which_number()),
             dsl::Property::Table => (PropertyKind::Table, property.which_number()),
+            dsl::Property::Itself => (PropertyKind::Itself, property.which_number()),
         };
         Self {
             kind: kind as u32,

@@ -79,6 +79,8 @@ pub enum RefusalKind {
     NoRoomOnTable = 29,
     /// A distance is named from an object of which too little is seen: `step`, `object`.
     HiddenReference = 30,
+    /// What is to be moved by a distance from where it is does not stand on the table: `step`, `object`.
+    NotOnTable = 31,
 }
 
 /// An object that fits a description.
@@ -260,7 +262,8 @@ impl From<&CoreRefusal> for Refusal {
             CoreRefusal::SameObject { step, object }
             | CoreRefusal::AlreadyOnTable { step, object }
             | CoreRefusal::NoRoomOnTable { step, object }
-            | CoreRefusal::HiddenReference { step, object } => {
+            | CoreRefusal::HiddenReference { step, object }
+            | CoreRefusal::NotOnTable { step, object } => {
                 (told.step, told.object) = (step.into(), object);
             }
             CoreRefusal::NotFinite { step, quantity } => {
@@ -301,7 +304,7 @@ mod tests {
             let line = format!("NSRM_REFUSAL_{} = {number},", kind.to_uppercase());
             assert!(header.contains(&line), "{line}");
         }
-        let last = RefusalKind::HiddenReference as usize;
+        let last = RefusalKind::NotOnTable as usize;
         assert_eq!(last, CoreRefusal::KINDS.len());
     }
 

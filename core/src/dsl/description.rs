@@ -20,11 +20,14 @@ pub enum Property {
     Quantifier(Quantifier),
     /// That it is the table, on which objects stand, and no object.
     Table,
+    /// That it is the object that is moved: "5 cm to the left" is seen from where it is. No word of the lexicon
+    /// says so.
+    Itself,
 }
 
 impl Property {
     /// The name of the concept, of the extreme or of what is counted from it, `"?"` if the model has none;
-    /// `all`, `both`, `each` or `table`.
+    /// `all`, `both`, `each`, `table` or `itself`.
     pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
         match self {
             Self::Concept(concept) => concept_name(model, concept),
@@ -35,13 +38,14 @@ impl Property {
             }
             Self::Quantifier(quantifier) => quantifier.name(),
             Self::Table => "table",
+            Self::Itself => "itself",
         }
     }
 
     /// Which of the objects that pass the filters, as a number in messages and in C: 1 for the
     /// largest, 2 for the smallest, 3 plus the index of an action; for several, 512 for all, 513
-    /// for both, 514 for each; 515 for the table; and 1,024 plus the index of what is counted from an
-    /// extreme. 0 is left for none; a concept has none.
+    /// for both, 514 for each; 515 for the table, 516 for the object itself; and 1,024 plus the index of
+    /// what is counted from an extreme. 0 is left for none; a concept has none.
     pub const fn which_number(self) -> u32 {
         match self {
             Self::Concept(_) => 0,
@@ -53,6 +57,7 @@ impl Property {
             Self::Quantifier(Quantifier::Both) => QUANTIFIED + 1,
             Self::Quantifier(Quantifier::Each) => QUANTIFIED + 2,
             Self::Table => QUANTIFIED + 3,
+            Self::Itself => QUANTIFIED + 4,
         }
     }
 
@@ -66,6 +71,7 @@ impl Property {
             513 => Self::Quantifier(Quantifier::Both),
             514 => Self::Quantifier(Quantifier::Each),
             515 => Self::Table,
+            516 => Self::Itself,
             COUNTED.. => Self::Ranked(u8::try_from(number - COUNTED).ok()?),
             _ => Self::Extreme(Extreme::Action(u8::try_from(number - 3).ok()?)),
         })
@@ -175,7 +181,8 @@ impl Filters {
             Property::Extreme(_)
             | Property::Ranked(_)
             | Property::Quantifier(_)
-            | Property::Table => {
+            | Property::Table
+            | Property::Itself => {
                 self.choice = Some(property);
                 Ok(())
             }
@@ -209,8 +216,8 @@ impl Filters {
             .unwrap_or_default()
     }
 
-    /// Which of the objects that pass is meant, that several are, or that it is the table: no concept;
-    /// `None` if the words leave that open.
+    /// Which of the objects that pass is meant, that several are, or that it is the table or the object
+    /// itself: no concept; `None` if the words leave that open.
     pub const fn choice(&self) -> Option<Property> {
         self.choice
     }
@@ -247,6 +254,31 @@ impl Filters {
     /// Whether they mean the table, and no object.
     pub const fn is_table(&self) -> bool {
         matches!(self.choice, Some(Property::Table))
+    }
+
+    /// Whether they mean the object that is moved.
+    pub const fn is_itself(&self) -> bool {
+        matches!(self.choice, Some(Property::Itself))
+    }
+
+    /// Whether they mean another object of the scene: neither the table nor the object that is moved.
+    pub const fn is_other_object(&self) -> bool {
+        !self.is_table() && !self.is_itself()
+    }
+
+    /// The same with each concept once: "the big red lego" says one twice.
+    pub(crate) fn distinct(&self) -> Self {
+        let mut distinct = Self {
+            choice: self.choice,
+            ..Self::new()
+        };
+        for &concept in self.concepts() {
+            if !distinct.concepts().contains(&concept) {
+                // There was room for more.
+                let _ = distinct.push(concept);
+            }
+        }
+        distinct
     }
 
     /// The same of each of several objects.
@@ -522,13 +554,14 @@ mod tests {
             Property::Quantifier(Quantifier::Both),
             Property::Quantifier(Quantifier::Each),
             Property::Table,
+            Property::Itself,
             Property::Ranked(0),
             Property::Ranked(255),
         ] {
             let number = property.which_number();
             assert_eq!(Property::of_which_number(number), Some(property));
         }
-        for number in [0, 259, 511, 516, 1023, 1280, u32::MAX] {
+        for number in [0, 259, 511, 517, 1023, 1280, u32::MAX] {
             assert_eq!(Property::of_which_number(number), None);
         }
         assert_eq!(Property::Concept(1).which_number(), 0);

@@ -61,7 +61,7 @@ pub struct Step {
     /// The reference object.
     pub reference: Description,
     /// The distance between the faces of the two, millimetres, where the sentence names one; otherwise it is that of the
-    /// demonstrations.
+    /// demonstrations. With [`Property::Itself`] as the reference, that by which the object is moved.
     pub distance_mm: Option<NonZeroU16>,
 }
 

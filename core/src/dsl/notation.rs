@@ -93,8 +93,10 @@ pub(super) struct StepNotation<'a> {
 
 impl StepNotation<'_> {
     fn unique(&self, description: &Description, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if description.filters().is_table() {
-            return f.write_str(TABLE);
+        match description.filters().choice() {
+            Some(Property::Table) => return f.write_str(TABLE),
+            Some(Property::Itself) => return f.write_str("Itself()"),
+            _ => {}
         }
         let mut open = self.open(description.filters(), f)?;
         for relation in description.relations() {

@@ -116,7 +116,9 @@ impl fmt::Display for StepExplanation<'_> {
         write!(f, "Step {}: move ", self.step.saturating_add(1))?;
         self.object(&understood.object, &planned.object, f)?;
         write!(f, " {phrase} ")?;
-        if understood.reference.filters().is_table() {
+        if understood.reference.filters().is_itself() {
+            f.write_str("where it is")?;
+        } else if understood.reference.filters().is_table() {
             let phrase = action_phrase(self.model, planned.action);
             write!(f, "the table, {phrase} object {}", planned.reference.object)?;
         } else {
@@ -126,7 +128,13 @@ impl fmt::Display for StepExplanation<'_> {
             }
         }
         if let Some(mm) = understood.distance_mm {
-            write!(f, ", at a distance of {mm} mm")?;
+            let from_itself = understood.reference.filters().is_itself();
+            f.write_str(if from_itself {
+                ", by"
+            } else {
+                ", at a distance of"
+            })?;
+            write!(f, " {mm} mm")?;
         }
         write!(f, "; confidence {:.2}.", planned.confidence.joint())
     }

@@ -148,6 +148,7 @@ impl fmt::Display for Message<'_> {
             | Refusal::AlreadyOnTable { .. }
             | Refusal::NoRoomOnTable { .. }
             | Refusal::HiddenReference { .. }
+            | Refusal::NotOnTable { .. }
             | Refusal::SameObject { .. }
             | Refusal::OutsideTrainingView { .. }
             | Refusal::OutsideWorkSpace { .. }
@@ -399,7 +400,13 @@ impl Message<'_> {
             Refusal::HiddenReference { step, object } => write!(
                 f,
                 "step {}: other objects hide too much of object {object} to measure a distance from it; \
-                 name another one, or no distance",
+                 name no distance, or take away what hides it",
+                number(*step)
+            ),
+            Refusal::NotOnTable { step, object } => write!(
+                f,
+                "step {}: object {object} does not stand on the table, and only what stands there is moved by a \
+                 distance from where it is; say beside or on which object to put it",
                 number(*step)
             ),
             Refusal::OutsideTrainingView {

@@ -1,5 +1,5 @@
 //! How far from the reference an object is put: "two centimetres to the left of the blue block", "to its left,
-//! 2 cm away", "5 cm from the blue block".
+//! 2 cm away", "5 cm from the blue block"; or from where it is, "5 cm to the left".
 //!
 //! The words of a distance are left out, so that the network reads "to the left of the blue block", and the
 //! distance is kept with its place; where the step that it stands in puts an object beside another one, it is
@@ -13,6 +13,7 @@ use super::phrases::{PhraseMatcher, parts};
 use super::tokens::{Tokens, span_of};
 use super::words::{find, letters, next_word};
 use super::{Span, Token, TokenKind};
+use crate::dsl::{Filters, Property};
 use crate::model::{Distances, Model};
 use crate::refusal::Refusal;
 
@@ -62,6 +63,8 @@ pub(super) struct Said {
     is_last: bool,
     /// Whether no side is named: "from" belongs to the words.
     is_from: bool,
+    /// The action in whose direction the object is moved from where it is: the direction belongs to the words.
+    shift: Option<u8>,
 }
 
 impl PhraseMatcher<'_, '_> {
@@ -74,24 +77,30 @@ impl PhraseMatcher<'_, '_> {
             start = start.checked_sub(length)?;
         }
         let mut end = at.checked_add(length)?;
+        let shift = self.shift(tokens, &(start..end));
         let rest = tokens.get(end..)?;
         let from = self.longest::<&str>(rest, distances.from);
         let behind = from.or_else(|| self.longest(rest, distances.behind));
         end = end.checked_add(behind.map_or(0, |(length, _)| length))?;
         let before = tokens.get(..start)?.last();
         let next = tokens.get(end);
-        let excludes = |token| {
-            // "Every" in "the small every 2 cm" is read as a part of the description.
-            let last = || letters(last_word(self.text(token)));
-            let mut words = distances.unless.iter();
-            words.any(|word| last().eq(word.chars()))
-        };
         let has_size =
             |token: &Token| token.is_group() || self.is_one_of(self.model.ordinals.nouns, token);
-        let is_size =
-            before.is_some_and(excludes) || (from.is_none() && next.is_some_and(has_size));
+        let is_size = before.is_some_and(|token| self.excludes_distance(token))
+            || (from.is_none() && next.is_some_and(has_size));
         if is_size || self.follows_number(tokens, start) {
             return None;
+        }
+        // "2 cm away to the left", but not "2 cm from the left".
+        let away = || from.is_none().then(|| self.shift(tokens, &(start..end)))?;
+        if let Some(shift) = shift.or_else(away) {
+            return Some(Said {
+                words: shift.words,
+                mm,
+                is_last: false,
+                is_from: false,
+                shift: Some(shift.action),
+            });
         }
         let is_last = from.is_none() && next.is_none_or(|token| self.separates(token));
         if is_last && before.is_some_and(|token| self.is_comma(token)) {
@@ -102,7 +111,16 @@ impl PhraseMatcher<'_, '_> {
             mm,
             is_last,
             is_from: from.is_some(),
+            shift: None,
         })
+    }
+
+    /// Whether a word is none before or behind a distance.
+    pub(super) fn excludes_distance(&self, token: &Token) -> bool {
+        // "Every" in "the small every 2 cm" is read as a part of the description.
+        let last = || letters(last_word(self.text(token)));
+        let mut words = self.model.distances.unless.iter();
+        words.any(|word| last().eq(word.chars()))
     }
 
     /// Whether a number stands before a token, or before a comma there: "5 cm" in "2,5 cm" is not 5 cm.
@@ -133,8 +151,22 @@ impl PhraseMatcher<'_, '_> {
     ) -> Result<(Distance, usize), Refusal> {
         let words = tokens.get(said.words.clone()).unwrap_or_default();
         let span = span_of(words).ok_or(Refusal::InvalidModel)?;
-        let start = said.words.start;
-        let mut behind = self.replace(tokens, &said.words, "", span)?;
+        let Range { start, end } = said.words;
+        let mut behind;
+        if let Some(action) = said.shift {
+            let action = self.model.actions.get(usize::from(action));
+            let phrase = action.ok_or(Refusal::InvalidModel)?.phrase;
+            // The last of the words becomes the object itself.
+            behind = self.replace(tokens, &(start..end.saturating_sub(1)), phrase, span)?;
+            let mut itself = Filters::new();
+            // It has room.
+            let _ = itself.add(Property::Itself);
+            let kind = TokenKind::Group(itself);
+            *tokens.get_mut(behind).ok_or(Refusal::InvalidModel)? = Token { kind, span };
+            behind = behind.saturating_add(1);
+        } else {
+            behind = self.replace(tokens, &said.words, "", span)?;
+        }
         if said.is_from {
             let beside = self.model.distances.beside;
             let compound = self.beside(tokens, start, beside);
@@ -188,7 +220,7 @@ impl PhraseMatcher<'_, '_> {
     }
 
     /// Whether a clause ends before a token, or it separates clauses.
-    fn separates(&self, token: &Token) -> bool {
+    pub(super) fn separates(&self, token: &Token) -> bool {
         self.ends(token) || self.is_one_of(self.model.arrangements.between, token)
     }
 }

@@ -23,6 +23,7 @@ mod repairs;
 mod rephrasing;
 mod segments;
 mod sequence;
+mod shifts;
 mod spelling;
 mod splitter;
 mod task;

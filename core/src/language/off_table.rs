@@ -137,6 +137,14 @@ impl<'a> PhraseMatcher<'_, 'a> {
         })
     }
 
+    /// Whether the clause of these words describes one object, or a pronoun stands for one, before them and none
+    /// behind.
+    pub(super) fn moves_one(&self, tokens: &[Token], said: &Range<usize>) -> bool {
+        let clause = self.described(tokens, said);
+        clause
+            .is_some_and(|clause| clause.moved <= 1 && clause.others == 0 && self.is_moved(&clause))
+    }
+
     /// Whether one object stands before the words that mean the table.
     fn is_moved(&self, clause: &Clause<'_>) -> bool {
         clause.moved == 1 || clause.before.iter().any(|token| self.is_pronoun(token))

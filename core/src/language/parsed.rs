@@ -127,9 +127,9 @@ impl Parsed {
                 };
                 fits &= self.add(moved, decisions, id);
                 // What was decided once is not doubted twice.
-                let reference = match symbols.reference.filters().is_table() {
-                    true => symbols.reference,
-                    false => one,
+                let reference = match symbols.reference.filters().is_other_object() {
+                    true => one,
+                    false => symbols.reference,
                 };
                 next = (reference, decisions.certain());
             }

@@ -5,7 +5,9 @@ use core::ops::Range;
 use super::tokens::{Tokens, push};
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind};
-use crate::model::{CompoundText, CountedFrom, DistanceNumber, Model, Rephrased, SequenceText};
+use crate::model::{
+    CompoundText, CountedFrom, DistanceNumber, DistanceShift, Model, Rephrased, SequenceText,
+};
 use crate::refusal::Refusal;
 
 /// Compares the tokens of a sentence with texts: words in lower case with one space in between.
@@ -216,6 +218,7 @@ pub(super) enum TextList<'t> {
     Compound(&'t [CompoundText<'t>]),
     Sequence(&'t [SequenceText<'t>]),
     Number(&'t [DistanceNumber<'t>]),
+    Shift(&'t [DistanceShift<'t>]),
     Rephrased(&'t [Rephrased<'t>]),
 }
 
@@ -228,6 +231,7 @@ impl<'t> TextList<'t> {
             Self::Sequence(texts) => texts.get(index).map(|said| said.text),
             Self::Rephrased(texts) => texts.get(index).map(|said| said.text),
             Self::Number(texts) => texts.get(index).map(|number| number.text),
+            Self::Shift(texts) => texts.get(index).map(|shift| shift.text),
         }
     }
 }
@@ -259,6 +263,12 @@ impl<'t> From<&'t [SequenceText<'t>]> for TextList<'t> {
 impl<'t> From<&'t [DistanceNumber<'t>]> for TextList<'t> {
     fn from(texts: &'t [DistanceNumber<'t>]) -> Self {
         Self::Number(texts)
+    }
+}
+
+impl<'t> From<&'t [DistanceShift<'t>]> for TextList<'t> {
+    fn from(texts: &'t [DistanceShift<'t>]) -> Self {
+        Self::Shift(texts)
     }
 }
 

@@ -89,6 +89,41 @@ mod tests {
         }
     }
 
+    #[test]
+    fn behind_a_step_that_puts_a_pronoun_is_of_the_next_one() {
+        let mut model = with_pronoun(fixture::model(), None);
+        let readings = |model: &Model<'_>, sentence| read(model, sentence, 0).1;
+        for sentence in ["put red on green put the", "put red on green then put the"] {
+            assert_eq!(readings(&model, sentence), 2, "{sentence}");
+        }
+        let put = model.words.iter().position(|word| word.text == "put");
+        let put = u16::try_from(put.unwrap()).unwrap();
+        model.placing = std::vec![put].leak();
+        model.arrangements.ends = &["then"];
+        assert_eq!(model.check(), Ok(()));
+        for sentence in [
+            "put red on green put the",
+            "then put red on green then put the",
+            "put red right green on lego then put red on green then put the",
+            "put small red right green then put the",
+        ] {
+            let (kinds, readings) = read(&model, sentence, 0);
+            assert_eq!(readings, 1, "{sentence}");
+            assert_eq!(kinds.last(), Some(&TokenKind::Pronoun), "{sentence}");
+        }
+        // No such word before the descriptions, or before the pronoun, or one of an earlier step.
+        for sentence in [
+            "red on green then put the",
+            "put red on green on the",
+            "put small on lego then red on green put the",
+            "put small then red on green put the",
+        ] {
+            assert_eq!(readings(&model, sentence), 2, "{sentence}");
+        }
+        model.placing = std::vec![put; 2].leak();
+        assert!(model.check().is_err());
+    }
+
     fn unclear(step: u8, start: u16) -> Refusal {
         let span = Span {
             start,

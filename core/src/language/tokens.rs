@@ -315,7 +315,8 @@ impl Reader {
 
     /// A word outside the lexicon. A pronoun behind the descriptions of a whole step may mean what
     /// that one moved, unless another description follows ("that red block", "so that it is"), and as
-    /// long as the sentence does not have too many readings.
+    /// long as the sentence does not have too many readings. It means that, if both that step and the pronoun's begin
+    /// with words that put something: "put the red block on the blue one, then put it …".
     ///
     /// * `words`: the sentence up to its last word
     fn add_word(
@@ -329,7 +330,8 @@ impl Reader {
             let described = self.tokens.iter().filter(|token| token.is_group());
             let follows =
                 next_word(words, self.rest_from).is_some_and(|(next, _)| may_describe(model, next));
-            if described.count() >= ARGUMENTS && !follows && self.choose(2) == Some(1) {
+            let may_be_moved = described.count() >= ARGUMENTS && !follows;
+            if may_be_moved && (self.puts_again(model) || self.choose(2) == Some(1)) {
                 self.add(TokenKind::Pronoun, span)?;
                 return pronoun
                     .owner
@@ -337,6 +339,26 @@ impl Reader {
             }
         }
         self.add(TokenKind::Word(index), span)
+    }
+
+    /// Whether the last word puts something, and so does one before the last two descriptions, between which no clause
+    /// ends.
+    fn puts_again(&self, model: &Model<'_>) -> bool {
+        let puts = |word: u16| model.placing.binary_search(&word).is_ok();
+        let (mut described, mut is_last) = (0, true);
+        for token in self.tokens.iter().rev() {
+            match token.kind {
+                TokenKind::Word(word) if is_last && !puts(word) => return false,
+                TokenKind::Word(word) if described == 1 && ends_clause(model, word) => {
+                    return false;
+                }
+                TokenKind::Word(word) if described == ARGUMENTS && puts(word) => return true,
+                TokenKind::Group(_) | TokenKind::Pronoun => described += 1,
+                _ => {}
+            }
+            is_last = false;
+        }
+        false
     }
 
     /// A word of the lexicon joins the group before it or starts one.
@@ -373,6 +395,12 @@ impl Reader {
         let token = tokens.find(|token| token.kind == TokenKind::Unknown)?;
         Some(Refusal::UnknownWord { span: token.span })
     }
+}
+
+/// Whether a clause ends before a word, a verb for instance.
+fn ends_clause(model: &Model<'_>, word: u16) -> bool {
+    let word = model.words.get(usize::from(word));
+    word.is_some_and(|word| find(model.arrangements.ends, word.text, |text| text).is_some())
 }
 
 /// Whether a word may describe an object, by itself or with others.
@@ -470,8 +498,8 @@ fn conflicting(model: &Model<'_>, filters: &Filters, property: Property) -> Opti
         Property::Extreme(_) | Property::Ranked(_) | Property::Quantifier(_) => {
             filters.choice().filter(|other| *other != property)
         }
-        // The table is described by no other word.
-        Property::Table => {
+        // The table is described by no other word, and neither is the object itself.
+        Property::Table | Property::Itself => {
             let first = filters.concepts().first();
             let first = first.map(|concept| Property::Concept(*concept));
             first.or(filters.choice())

@@ -4,12 +4,12 @@
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
     Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, DistanceNumber,
-    DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header, Heard, INSTRUCTION,
-    Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS, MERGED, Model,
-    OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS, PixelToCamera, Plural, Pronoun, Ranked,
-    Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence,
-    SequenceText, Several, Simulator, Spelling, Superlative, Table, Thresholds, VIEW_EMBEDDING,
-    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    DistanceShift, DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header,
+    Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS,
+    MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS, PixelToCamera, Plural,
+    Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
+    SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling, Superlative, Table,
+    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -55,6 +55,7 @@ builder! {
         embeddings, with_embeddings: Embeddings<'a> = Embeddings::NONE;
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
+        placing, with_placing: &'a [u16] = &[];
         several, with_several: Several<'a> = Several::UNSET;
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
@@ -175,11 +176,17 @@ builder! {
         from, with_from: &'a [&'a str] = &[];
         beside, with_beside: &'a str = "";
         unless, with_unless: &'a [&'a str] = &[];
+        shifts, with_shifts: &'a [DistanceShift<'a>] = &[];
+        origins, with_origins: &'a [&'a str] = &[];
         usual_mm, with_usual_mm: u16 = 0;
     }
     ['a] DistanceUnit<'a> {
         text, with_text: &'a str = "";
         mm, with_mm: f32 = 0.0;
+    }
+    ['a] DistanceShift<'a> {
+        text, with_text: &'a str = "";
+        action, with_action: u8 = NOWHERE;
     }
     ['a] DistanceNumber<'a> {
         text, with_text: &'a str = "";

@@ -41,6 +41,9 @@ pub enum ModelFault<'a> {
     /// Pronouns are not sorted and unique, or one is no word; its index.
     #[error("pronoun {0} is out of order, repeated or no word")]
     Pronoun(u16),
+    /// Words that put an object somewhere are not sorted and unique, or one is no word; its index.
+    #[error("word {0}, which puts an object somewhere, is out of order, repeated or no word")]
+    Placing(u16),
     /// A word between a quantifier and the rest is none of the model's; its index.
     #[error("word {0}, which stands behind quantifiers, isn't there")]
     Between(u16),
@@ -94,13 +97,15 @@ pub enum ModelFault<'a> {
     #[error("word \"{0}\", which is read where two steps are put in order, isn't there")]
     SequenceWord(&'a str),
     /// What says a distance is empty, or not sorted and unique, a unit or a number is not positive and finite, or there
-    /// are units without a side, or with one that isn't there; the text.
+    /// are units without a side, or with one that isn't there, or it is a direction of no side; the text.
     #[error(
         "\"{0}\", which says a distance, is empty, out of order, repeated, not positive, or of no side that is there"
     )]
     DistanceText(&'a str),
-    /// A word that is read in place of a distance without a side is none of the model's; the word.
-    #[error("word \"{0}\", which is read where a distance has no side, isn't there")]
+    /// A word that is read in place of a distance without a side, or of a direction, is none of the model's; the word.
+    #[error(
+        "word \"{0}\", which is read where a distance has no side or no reference, isn't there"
+    )]
     DistanceWord(&'a str),
     /// What is counted from an extreme is the extreme itself, of one that isn't there, or there twice; its name.
     #[error(
@@ -279,6 +284,7 @@ impl<'a> Model<'a> {
                 Property::Ranked(index) => usize::from(index) < self.ordinals.ranked.len(),
                 Property::Quantifier(quantifier) => quantifier != Quantifier::Each,
                 Property::Table => self.table.is_place(),
+                Property::Itself => false,
             };
             if !is_there {
                 return Err(ModelFault::LexiconProperty(entry.text));
@@ -312,6 +318,13 @@ impl<'a> Model<'a> {
                 return Err(ModelFault::Pronoun(pronoun.word));
             }
             least = word.saturating_add(1);
+        }
+        let mut least = 0;
+        for &word in self.placing {
+            if usize::from(word) < least || usize::from(word) >= self.words.len() {
+                return Err(ModelFault::Placing(word));
+            }
+            least = usize::from(word).saturating_add(1);
         }
         Ok(())
     }

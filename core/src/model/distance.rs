@@ -1,5 +1,5 @@
 /// How far from the reference an object is put, "two centimetres to the left of the blue block", or "5 cm from
-/// it": texts that say so. Nothing is learned for it. By default, no distance is understood.
+/// it", or how far it is moved from where it is, "5 cm to the left": texts that say so. Nothing is learned for it. By default, no distance is understood.
 ///
 /// All texts are words in lower case with one space in between. Those that are said need not be among
 /// [`Model::words`](super::Model::words).
@@ -23,6 +23,12 @@ pub struct Distances<'a> {
     pub beside: &'a str,
     /// Words before a distance with which it is the size of an object, "the" in "the 4 cm block"; sorted.
     pub unless: &'a [&'a str],
+    /// Directions in which an object is moved by a distance from where it is, "to the left"; sorted by text. In
+    /// place of one, and of the distance, the action's [`phrase`](super::Action::phrase) is read, and a group that
+    /// means the object itself.
+    pub shifts: &'a [DistanceShift<'a>],
+    /// What may stand behind it and says nothing more, "from where it is"; sorted.
+    pub origins: &'a [&'a str],
     /// The distance between the faces of an object and its reference in the demonstrations, millimetres: that at
     /// which the learned actions put an object.
     pub usual_mm: u16,
@@ -46,6 +52,16 @@ pub struct DistanceNumber<'a> {
     pub text: &'a str,
     /// The number.
     pub value: f32,
+}
+
+/// A direction in which an object is moved.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct DistanceShift<'a> {
+    /// The words, "to the left".
+    pub text: &'a str,
+    /// The action that puts things there: index into [`Model::actions`](super::Model::actions).
+    pub action: u8,
 }
 
 impl Distances<'_> {

@@ -3,8 +3,8 @@ use core::task::Poll;
 
 use nalgebra::{Isometry3, Translation3};
 
-use super::distance::at_distance;
-use super::resolve::{Resolver, Within};
+use super::distance::{at_distance, shifted_by};
+use super::resolve::{LeftOut, Resolver, Within};
 use super::room::{Beside, Room};
 use super::sight::Sight;
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
@@ -12,7 +12,7 @@ use crate::action::simulate_any;
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
 use crate::capacity::{MAX_OBJECTS, MAX_STEPS};
-use crate::dsl::{Argument, Description, Quantifier, Step};
+use crate::dsl::{Argument, Description, Property, Quantifier, Step};
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{CompoundKind, LOCATION, Model};
 use crate::refusal::{Quantity, Refusal};
@@ -61,10 +61,10 @@ enum Stage {
         step: usize,
         object: Option<Grounding>,
     },
-    /// The objects to move are sought; without a reference, they are put on the table.
+    /// The objects to move are sought.
     Several {
         step: usize,
-        reference: Option<Grounding>,
+        left_out: LeftOut,
     },
     /// A free place on the table is sought: anywhere, or beside the reference.
     Room {
@@ -163,8 +163,10 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let Some(object) = self.resolve(step, Argument::Object)? else {
                     return Ok(stage);
                 };
-                if self.symbols(step)?.reference.filters().is_table() {
-                    return self.begin_room(step, object);
+                match self.symbols(step)?.reference.filters().choice() {
+                    Some(Property::Table) => return self.begin_room(step, object),
+                    Some(Property::Itself) => return self.begin_shift(step, object),
+                    _ => {}
                 }
                 self.seek(step, Argument::Reference)?;
                 let object = Some(object);
@@ -177,8 +179,8 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 self.check_measured(step, &reference)?;
                 let Some(object) = object else {
                     self.seek(step, Argument::Object)?;
-                    let reference = Some(reference);
-                    return Ok(Stage::Several { step, reference });
+                    let left_out = LeftOut::Object(reference.index);
+                    return Ok(Stage::Several { step, left_out });
                 };
                 if reference.index == object.index {
                     return Err(Refusal::SameObject {
@@ -200,9 +202,9 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                     reference,
                 })
             }
-            Stage::Several { step, reference } => {
+            Stage::Several { step, left_out } => {
                 let (resolver, description, within) = self.resolving(step, Argument::Object)?;
-                let found = resolver.poll_several(description, &within, reference.as_ref())?;
+                let found = resolver.poll_several(description, &within, left_out)?;
                 let Some(ids) = found else {
                     return Ok(stage);
                 };
@@ -254,10 +256,14 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             return Ok(Stage::Done(self.doubt()));
         };
         if let Some(Quantifier::All | Quantifier::Both) = symbols.object.filters().quantifier() {
-            if symbols.reference.filters().is_table() {
+            let left_out = match symbols.reference.filters().choice() {
+                Some(Property::Table) => Some(LeftOut::OnTable),
+                Some(Property::Itself) => Some(LeftOut::None),
+                _ => None,
+            };
+            if let Some(left_out) = left_out {
                 self.seek(step, Argument::Object)?;
-                let reference = None;
-                return Ok(Stage::Several { step, reference });
+                return Ok(Stage::Several { step, left_out });
             }
             self.seek(step, Argument::Reference)?;
             return Ok(Stage::Reference { step, object: None });
@@ -266,7 +272,9 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         Ok(Stage::Object { step })
     }
 
-    /// Refuses a distance from a reference that is seen in part: its place may be off by more than that.
+    /// Refuses a distance from what is seen in part: its place may be off by more than that.
+    ///
+    /// * `reference`: from what it is, the object itself if that is shifted
     fn check_measured(&mut self, step: usize, reference: &Grounding) -> Result<(), Refusal> {
         let is_measured = self.symbols(step)?.distance_mm.is_some();
         let (_, _, within) = self.resolving(step, Argument::Reference)?;
@@ -290,6 +298,24 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         }
         self.room = Room::anywhere();
         Ok(Stage::Room { step, object })
+    }
+
+    /// The object is to be moved by a distance from where it is, along the table.
+    fn begin_shift(&mut self, step: usize, object: Grounding) -> Result<Stage, Refusal> {
+        self.check_measured(step, &object)?;
+        let (_, _, within) = self.resolving(step, Argument::Object)?;
+        if !within.is_on_table(object.index.into()) {
+            return Err(Refusal::NotOnTable {
+                step: step as u8,
+                object: object.object,
+            });
+        }
+        Ok(Stage::Act {
+            step,
+            action: self.symbols(step)?.action,
+            object,
+            reference: object,
+        })
     }
 
     /// Why the finished plan is refused, if it is.
@@ -368,8 +394,12 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         let location = simulate_any(self.model, action, &from, &to);
         // Always there: an action, or a compound that leads to one place.
         let mut location = location.ok_or(Refusal::InvalidModel)?;
-        if let Some(mm) = self.symbols(step)?.distance_mm {
-            location = at_distance(self.model, &self.viewpoint, &location, &to, mm);
+        let symbols = self.symbols(step)?;
+        if let Some(mm) = symbols.distance_mm {
+            location = match symbols.reference.filters().is_itself() {
+                true => shifted_by(self.model, &self.viewpoint, &location, &to, mm),
+                false => at_distance(self.model, &self.viewpoint, &location, &to, mm),
+            };
         }
         if !location.iter().all(|number| number.is_finite()) {
             return Err(not_finite(Quantity::Location));

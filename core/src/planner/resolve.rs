@@ -17,6 +17,17 @@ use crate::vision;
 /// How many objects "both" means.
 const BOTH: usize = 2;
 
+/// Which objects are not among several that are moved.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum LeftOut {
+    /// None: they are moved from where they are.
+    None,
+    /// The one in relation to which they are moved: its place in the scene.
+    Object(u8),
+    /// What stands on the table, since they are put there.
+    OnTable,
+}
+
 /// Finds the object that a description refers to, from the innermost anchor of its relations
 /// outwards. Each [`Resolver::poll`] scores one object or chooses one.
 #[derive(Debug, Clone)]
@@ -115,13 +126,12 @@ impl Resolver {
     /// the highest to the lowest, so that none carries one that is moved later.
     ///
     /// * `description`: the one that it was made for
-    /// * `reference`: what they are moved in relation to, which is none of them; `None` for the table, on
-    ///   which none of them stands
+    /// * `left_out`: objects that are none of them, though they fit
     pub(super) fn poll_several(
         &mut self,
         description: &Description,
         within: &Within<'_>,
-        reference: Option<&Grounding>,
+        left_out: LeftOut,
     ) -> Result<Option<Vec<u32, MAX_OBJECTS, u8>>, Refusal> {
         if self.level > 0 {
             // Its relation is to a single object.
@@ -139,9 +149,9 @@ impl Resolver {
         let scores = self.scores.values().iter().zip(self.judged);
         for (index, ((object, location), (&score, judged))) in objects.zip(scores).enumerate() {
             let fits = score >= threshold;
-            match reference {
-                Some(reference) if index == usize::from(reference.index) => continue,
-                None if within.is_on_table(index) => {
+            match left_out {
+                LeftOut::Object(reference) if index == usize::from(reference) => continue,
+                LeftOut::OnTable if within.is_on_table(index) => {
                     on_table = on_table.or(fits.then_some(object.id));
                     continue;
                 }

@@ -295,9 +295,9 @@ impl<'m> Job<'m> {
         }
         self.next = self.plan.steps().first().copied();
         let next = self.plan.numbered().next();
-        // What is put on the table stays there, whatever it stands beside.
+        // What is put on the table, or moved from where it was, stays there, whatever it stands beside.
         self.reference = next
-            .filter(|(_, understood, _)| !understood.reference.filters().is_table())
+            .filter(|(_, understood, _)| understood.reference.filters().is_other_object())
             .and_then(|(.., next)| self.view(&scene, limits).see(next.reference.object));
         if too_old(taken_ns, limits, now_ns).is_some() {
             // Too old by now: grounding takes time.
@@ -315,5 +315,11 @@ impl<'m> Job<'m> {
 
     fn steps(&self) -> usize {
         self.parsed.program().steps().len()
+    }
+
+    /// Whether the current step moves its object by a distance from where it is.
+    fn is_shift(&self) -> bool {
+        let step = self.parsed.program().steps().get(self.step);
+        step.is_some_and(|step| step.reference.filters().is_itself())
     }
 }

@@ -110,8 +110,8 @@ impl Placements {
         }
     }
 
-    /// The old sub-goal for the object of an undone step whose reference was moved by a later step:
-    /// grounded again, the object would follow its reference.
+    /// The old sub-goal for the object of a step whose reference was moved by a later one, or which moves it from
+    /// where it was: grounded again, the object would follow its reference, or move on.
     pub(super) fn again(&self, step: usize) -> Option<PlannedStep> {
         let placed = self.placed.get(step)?.as_ref()?;
         placed.reference.is_none().then_some(placed.planned)

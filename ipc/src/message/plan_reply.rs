@@ -53,7 +53,7 @@ message! {
 
 /// Why a request failed: the names of [`nsrm_core::Refusal::kind`] and [`Failure::kind`], and
 /// reasons of the planner's node. [`PlanReply::reason`] is a place in this list, from 1.
-pub const REASONS: [&str; 47] = [
+pub const REASONS: [&str; 48] = [
     "no_words",
     "unknown_word",
     "sentence_too_long",
@@ -100,6 +100,7 @@ pub const REASONS: [&str; 47] = [
     "already_on_table",
     "no_room_on_table",
     "hidden_reference",
+    "not_on_table",
     OTHER,
 ];
 

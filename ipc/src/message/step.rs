@@ -54,12 +54,14 @@ message! {
         pub reference_relation_count: u32,
         /// Those relations.
         pub reference_relations: [RelationMessage; MAX_RELATIONS],
-        /// The distance between the faces of the two, millimetres; 0 where the sentence names none.
+        /// The distance between the faces of the two, or by which the object is moved from where it is,
+        /// millimetres; 0 where the sentence names none.
         pub distance_mm: u32,
         /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
         /// 0.
         pub object_id: u32,
-        /// Id of the reference; of the table, that of the object beside which there is room.
+        /// Id of the reference; of the table, that of the object beside which there is room; of the object
+        /// itself, its own.
         pub reference_id: u32,
         /// How well the object fits its description, a cosine.
         pub object_score: f32,

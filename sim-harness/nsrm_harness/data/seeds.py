@@ -60,6 +60,7 @@ STREAMS = {
     "sequences": 94,
     "distances": 95,
     "rephrased": 96,
+    "shifts": 97,
 }
 
 

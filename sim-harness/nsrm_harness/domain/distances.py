@@ -1,5 +1,6 @@
 """How far from the reference an object is put: "two centimetres to the left of the blue block",
-which the core reads as "to the left of the blue block" and keeps.
+which the core reads as "to the left of the blue block" and keeps; and how far it is moved from where
+it is, "5 cm to the left".
 
 The parser is not taught it.
 """
@@ -42,6 +43,10 @@ class Distances:
     beside: Phrase
     #: Words before it with which it is the size of an object: "the" in "the 4 cm block".
     unless: tuple[Phrase, ...]
+    #: By action, how a direction is said in which an object is moved from where it is;
+    shifts: Mapping[Identifier, tuple[Phrase, ...]]
+    #: and what may stand behind it and says nothing more: "from where it is".
+    origins: tuple[Phrase, ...]
     #: That of the demonstrations, millimetres.
     usual_mm: Annotated[int, Field(gt=0, lt=1 << 16)]
 
@@ -54,7 +59,10 @@ def distances_of(
     sides = [name for name in table.get("sides", ()) if name in actions]
     if not sides:
         return None
-    keys = ("before", "behind", "from", "unless")
+    keys = ("before", "behind", "from", "unless", "origins")
     lists = {key: every_text_of(table, key, (source, "distances")) for key in keys}
+    said = {name: texts for name, texts in table.get("shifts", {}).items() if name in sides}
+    place, rules = (source, "distances.shifts"), {"rules": table.get("rules", {})}
+    shifts = {name: every_text_of({**said, **rules}, name, place) for name in said}
     kept = {key: value for key, value in table.items() if key != "rules"}
-    return {**kept, "sides": sides, **lists}
+    return {**kept, "sides": sides, **lists, "shifts": shifts}

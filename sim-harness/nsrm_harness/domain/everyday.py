@@ -60,7 +60,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     """The domain with the everyday wording of a file, without what only actions use that the domain
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
-    document = _document(domain)
+    document, placing = _document(domain), words.pop("placing", [])
     (
         synonyms, extremes, pronouns, several, rephrasing, repairs, sequence, distances, apart,
         ordinals, arrangements, table, compounds,
@@ -79,6 +79,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["extremes"] = extremes
     if pronouns:
         document["pronouns"] = pronouns
+    if placing:
+        document["placing"] = placing
     if several:
         document["several"] = several
     if rephrasing := rephrasing_of(rephrasing, str(path)):

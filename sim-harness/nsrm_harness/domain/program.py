@@ -20,6 +20,8 @@ SIZE_EXTREMES = ("Largest", "Smallest")
 ALL, BOTH, EACH = "all", "both", "each"
 #: What says that the table is meant, and no object: as the reference of a step, and of a relation.
 TABLE = "table"
+#: What says that an object is moved from where it is: as the reference of a step.
+ITSELF = "itself"
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,10 @@ class Step:
     #: Which of several objects that fit is to be moved: the name of an extreme, "leftmost", or
     #: `ALL`, `BOTH` or `EACH` of them.
     object_which: str | None = None
-    #: Which of several is the reference, or `TABLE`.
+    #: Which of several is the reference, `TABLE`, or `ITSELF`.
     reference_which: str | None = None
-    #: The distance between the faces of the two, if the sentence names one.
+    #: The distance between the faces of the two, if the sentence names one; from `ITSELF`, that by
+    #: which the object is moved.
     distance_mm: int | None = None
 
     def as_json(self) -> dict[str, Any]:

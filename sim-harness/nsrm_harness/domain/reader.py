@@ -287,8 +287,8 @@ def _everyday_relations(words: EverydayWords, actions: Sequence[str]) -> Faults:
 
 
 def _pronouns(domain: Domain) -> Faults:
-    """Pronouns, and what is read behind them, are words that no group token stands for; one of them
-    stands alone."""
+    """Pronouns, what is read behind them, and what puts an object somewhere are words that no group
+    token stands for; one of the pronouns stands alone."""
     known = domain.other_words()
     if domain.pronouns and all(domain.pronouns.values()):
         yield "pronouns", "expected one that stands alone, with an empty text"
@@ -296,6 +296,9 @@ def _pronouns(domain: Domain) -> Faults:
         for each in (word, owner) if owner else (word,):
             if each not in known:
                 yield f"pronouns.{word}", f"{each!r} is not a word of the grammar"
+    for word in domain.placing:
+        if word not in known:
+            yield "placing", f"{word!r} is not a word of the grammar"
 
 
 def _several(domain: Domain) -> Faults:
@@ -357,10 +360,21 @@ def _distances(domain: Domain) -> Faults:
     for name in said.sides:
         if name not in sides:
             yield "distances.sides", f"no action {name!r}; expected some of {', '.join(sides)}"
-    if not all(
-        (*said.units, *said.numbers, *said.before, *said.behind, *said.source, *said.unless)
-    ):
+    directions = [text for texts in said.shifts.values() for text in texts]
+    around = (*said.before, *said.behind, *said.source, *said.unless, *said.origins)
+    if not all((*said.units, *said.numbers, *around, *directions)):
         yield "distances", "expected words: remove the empty string"
+    for name in said.shifts:
+        if name not in said.sides:
+            yield "distances.shifts", f"{name!r} is not in distances.sides"
+    if len({*directions}) < len(directions):
+        yield "distances.shifts", "expected other words for each direction"
+    if directions and not _tells_what_is_on_table(domain):
+        yield (
+            "distances.shifts",
+            "the highest block is at least three times as high as the lowest, so that what stands "
+            "on the table cannot be told: leave them out",
+        )
     known = domain.other_words()
     for word in said.beside.split(" "):
         if word not in known:

@@ -1,5 +1,5 @@
-"""What is put next to another block, on two of its sides at once, or at a distance that is named,
-in scenes: whether it ends there.
+"""What is put next to another block, on two of its sides at once, or at a distance that is named, or
+moved from where it is, in scenes: whether it ends there.
 
 Judged by the ground truth: the right block, its centre near one of the places where the
 demonstrator would put it, and its base apart from that of every other block.
@@ -17,6 +17,7 @@ from nsrm_harness.data.compounds import Put, compound_programs
 from nsrm_harness.data.distances import spaced_programs
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.seeds import generator
+from nsrm_harness.data.shifts import shifted_programs
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.program import Program
 from nsrm_harness.evaluation.on_table import is_clear
@@ -32,7 +33,7 @@ TIMES = 3
 
 @dataclass(frozen=True, eq=False)
 class PutBeside:
-    """A sentence that puts a block of an episode beside another one."""
+    """A sentence that puts a block of an episode beside another one, or moves it from where it is."""
 
     episode: int
     put: Put
@@ -65,7 +66,7 @@ def put_beside(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[
     if domain.compounds is not None:
         sets |= {"next to in scenes": [], "diagonally in scenes": []}
     if domain.distances is not None:
-        sets |= {"distances in scenes": []}
+        sets |= {"distances in scenes": [], "shifts in scenes": []}
     for index in range(len(judge)):
         rng, truth = generator(seed, "compounds", index), judge.truth(index)
         places_m = np.array([pose.position for pose in truth.initial_poses])
@@ -75,6 +76,9 @@ def put_beside(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[
             "diagonally in scenes": [put for put in found if not put.is_any],
             "distances in scenes": list(
                 spaced_programs(domain, truth, generator(seed, "distances", 1 + index))
+            ),
+            "shifts in scenes": list(
+                shifted_programs(domain, truth, generator(seed, "shifts", 1 + index))
             ),
         }
         for name, chosen in sets.items():

@@ -17,6 +17,8 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * what is counted from one side, and such that counts nothing (`data.ordinals`);
 * what is put on the table or stands on it, and such that nobody can do (`data.on_table`);
 * compounds of actions, "next to", and such that mean nothing (`data.compounds`);
+* a distance from a reference, or from where an object is, and such that mean none
+  (`data.distances`, `data.shifts`);
 * towers and rows, several steps in a few words, and such that mean none (`data.arranged`);
 * the programs of several steps, one of which says by a pronoun what the step before it moved, and
   pronouns that mean nothing;
@@ -52,6 +54,7 @@ from nsrm_harness.data.rephrased import RephrasedSentences
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.sequences import SequenceSentences
 from nsrm_harness.data.several import with_several
+from nsrm_harness.data.shifts import ShiftSentences
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker
@@ -290,12 +293,15 @@ def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
 
 
 def say_distances(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`DISTANCE_COUNT` sentences with a distance, and as many that mean none, by the name of their
-    set."""
+    """`DISTANCE_COUNT` sentences with a distance from a reference, as many with one from where an
+    object is, and as many of each that mean none, by the name of their set."""
     sentences = DistanceSentences(domain, generator(seed, "distances", 0))
+    shifts = ShiftSentences(domain, generator(seed, "shifts", 0))
     return {
         "distances": [sentences.draw() for _ in range(DISTANCE_COUNT)],
         "no distances": [(sentences.near_miss(), None) for _ in range(DISTANCE_COUNT)],
+        "shifts": [shifts.draw() for _ in range(DISTANCE_COUNT)],
+        "no shifts": [(shifts.near_miss(), None) for _ in range(DISTANCE_COUNT)],
     }
 
 

@@ -5,8 +5,8 @@ They are about episodes of one step, and best about scenes in which blocks stand
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
 must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost",
-ordinals, "second from the left", several blocks, "all red ones", what is put on the table, and what
-next to another block or diagonally from it, are counted apart.
+ordinals, "second from the left", several blocks, "all red ones", what is put on the table, what next
+to another block or diagonally from it, and what is moved by a distance, are counted apart.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.several import has_stack, several_programs
+from nsrm_harness.data.shifts import ShiftSentences
 from nsrm_harness.data.tell import (
     counted_programs,
     extreme_programs,
@@ -34,7 +35,7 @@ from nsrm_harness.data.tell import (
 )
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker
-from nsrm_harness.domain.program import SUPERLATIVES, Program
+from nsrm_harness.domain.program import ITSELF, SUPERLATIVES, Program
 from nsrm_harness.evaluation.compounds import PutBeside, put_beside
 from nsrm_harness.evaluation.language import Counted, count, say, understand
 from nsrm_harness.evaluation.metrics import check_domain, domain_of
@@ -175,6 +176,8 @@ def _words(domain: Domain, told: Sequence[Sentence], seed: int) -> list[str]:
 
 def _said(domain: Domain, program: Program, rng: np.random.Generator) -> str:
     (first, *_) = program
+    if first.reference_which == ITSELF:
+        return ShiftSentences(domain, rng).of_step(first)
     if first.distance_mm is not None:
         return DistanceSentences(domain, rng).of_side(first)
     return " ".join(Speaker(domain, rng).sentence(program))

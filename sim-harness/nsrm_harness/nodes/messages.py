@@ -56,6 +56,7 @@ REASONS = (
     "already_on_table",
     "no_room_on_table",
     "hidden_reference",
+    "not_on_table",
     "other",
 )
 """Why a request failed: `PlanReply.reason` is a place in this list, counted from 1."""
@@ -472,12 +473,14 @@ class StepMessage(ctypes.Structure):
         ("reference_relation_count", ctypes.c_uint32),
         # Those relations.
         ("reference_relations", RelationMessage * 2),
-        # The distance between the faces of the two, millimetres; 0 where the sentence names none.
+        # The distance between the faces of the two, or by which the object is moved from where it is,
+        # millimetres; 0 where the sentence names none.
         ("distance_mm", ctypes.c_uint32),
         # Id of the object to move; 0 if the step is not grounded, and then all fields below are
         # 0.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference; of the table, that of the object beside which there is room.
+        # Id of the reference; of the table, that of the object beside which there is room; of the object
+        # itself, its own.
         ("reference_id", ctypes.c_uint32),
         # How well the object fits its description, a cosine.
         ("object_score", ctypes.c_float),
@@ -613,7 +616,8 @@ class SubGoal(ctypes.Structure):
         ("action", ctypes.c_uint32),
         # Id of the object to move.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference object; of the table, of the object beside which there is room.
+        # Id of the reference object; of the table, of the object beside which there is room; of the object
+        # itself, its own.
         ("reference_id", ctypes.c_uint32),
         # Product of the step's probabilities, 0 to 1.
         ("confidence", ctypes.c_float),

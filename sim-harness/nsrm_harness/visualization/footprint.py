@@ -31,6 +31,7 @@ PARTS = {
         "concepts",
         "lexicon",
         "pronouns",
+        "placing",
         "several",
         "rephrasing",
         "repairs",

@@ -232,6 +232,10 @@ impl Requests {
                 step: n,
                 object: id,
             }
+            | Refusal::NotOnTable {
+                step: n,
+                object: id,
+            }
             | Refusal::HiddenReference {
                 step: n,
                 object: id,

@@ -260,6 +260,33 @@ fn what_is_put_on_the_table_may_lose_what_it_stands_beside() {
     assert_eq!((planned.object.object, planned.action), (1, 1));
 }
 
+/// The robot drops the red block halfway: it goes where it was to go at first, and not as far again from where it
+/// lies now.
+#[test]
+fn what_is_moved_from_where_it_was_goes_to_the_same_place_when_tried_again() {
+    let mut parts = Parts::new();
+    parts.add_distances();
+    // An action puts things to the right.
+    parts.simulator.output.bias = [0.1, 0.0, 0.1, 0.0, 0.0];
+    let model = parts.model();
+    assert_eq!(model.check(), Ok(()));
+    let mut world = World::new(&model, Limits::default());
+    world.ask("put the red block 60 mm aside", Mode::ClosedLoop);
+    let first = world.until_command();
+    let dropped = &mut world.scene.objects[0].location;
+    dropped[0] += 0.02;
+    dropped[2] += 0.02;
+    world.say(&first, Outcome::Accepted);
+    world.say(&first, Outcome::Dropped);
+    assert_eq!(world.run(), Ok(()), "{:?}", world.log);
+    let [second] = world.commands[..] else {
+        panic!("{:?}", world.log);
+    };
+    assert_eq!(first.planned.sub_goal, second.planned.sub_goal);
+    let planned = &first.planned;
+    assert_eq!((planned.object.object, planned.reference.object), (1, 1));
+}
+
 /// The red block falls while the green one is put onto it: both are put back.
 #[test]
 fn an_earlier_step_that_came_undone_is_done_again_and_what_follows_too() {

@@ -1,4 +1,4 @@
-//! How far from the reference an object is put.
+//! How far from the reference, or from where it is, an object is put.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,6 +26,12 @@ pub struct Distances {
     pub beside: String,
     /// Words before it with which it is the size of an object.
     pub unless: BTreeSet<String>,
+    /// By action, how a direction is said in which an object is moved from where it is.
+    #[serde(default)]
+    pub shifts: BTreeMap<String, BTreeSet<String>>,
+    /// What may stand behind it and says nothing more.
+    #[serde(default)]
+    pub origins: BTreeSet<String>,
     /// That of the demonstrations, millimetres.
     pub usual_mm: u16,
 }
@@ -45,14 +51,30 @@ impl Domain {
         if let Some(name) = sides.find(|name| self.action_index(name).is_none()) {
             return Err(ModelError::DistanceSide { name: name.clone() });
         }
+        let mut shifted = distances.shifts.keys();
+        if let Some(name) = shifted.find(|name| !distances.sides.contains(name)) {
+            return Err(ModelError::ShiftSide { name: name.clone() });
+        }
+        let shifts = || distances.shifts.iter();
+        let mut said: Vec<_> = shifts().flat_map(|(_, texts)| texts).collect();
+        said.sort_unstable();
+        if let Some([text, _]) = said.array_windows().find(|[one, other]| one == other) {
+            return Err(ModelError::ShiftText {
+                text: (*text).clone(),
+            });
+        }
+        if !said.is_empty() && !self.tells_what_is_on_table() {
+            return Err(ModelError::TableHeight);
+        }
         let sets = [
             &distances.before,
             &distances.behind,
             &distances.from,
             &distances.unless,
+            &distances.origins,
         ];
         let sized = distances.units.keys().chain(distances.numbers.keys());
-        let texts = sized.chain(sets.into_iter().flatten());
+        let texts = sized.chain(sets.into_iter().flatten()).chain(said);
         let mut words = texts.flat_map(|text| text.split(' '));
         if let Some(word) = words.find(|word| !readable(word)) {
             return Err(ModelError::UnreadableWord { word: word.into() });

@@ -15,6 +15,8 @@ pub(super) struct DistanceParts<'a> {
     from: Vec<&'a str>,
     beside: &'a str,
     unless: Vec<&'a str>,
+    shifts: Vec<model::DistanceShift<'a>>,
+    origins: Vec<&'a str>,
     usual_mm: u16,
 }
 
@@ -32,10 +34,12 @@ impl<'a> DistanceParts<'a> {
             from,
             beside,
             unless,
+            shifts,
+            origins,
             usual_mm,
         } = distances;
-        let [before, behind, from, unless] =
-            [before, behind, from, unless].map(|texts| texts.iter().map(String::as_str).collect());
+        let [before, behind, from, unless, origins] = [before, behind, from, unless, origins]
+            .map(|texts| texts.iter().map(String::as_str).collect());
         let unit = |(text, mm): (&'a String, &f32)| {
             let unit = model::DistanceUnit::new();
             unit.with_text(text).with_mm(*mm)
@@ -49,6 +53,16 @@ impl<'a> DistanceParts<'a> {
             let found = domain.action_index(name).unwrap_or_default();
             index("actions", found)
         };
+        let mut said = Vec::new();
+        for (name, texts) in shifts {
+            let action = side(name)?;
+            let shift = |text: &'a String| {
+                let shift = model::DistanceShift::new();
+                shift.with_text(text).with_action(action)
+            };
+            said.extend(texts.iter().map(shift));
+        }
+        said.sort_unstable_by_key(|shift| shift.text);
         Ok(Self {
             sides: sides.iter().map(side).collect::<Result<_, _>>()?,
             units: units.iter().map(unit).collect(),
@@ -58,6 +72,8 @@ impl<'a> DistanceParts<'a> {
             from,
             beside,
             unless,
+            shifts: said,
+            origins,
             usual_mm: *usual_mm,
         })
     }
@@ -72,6 +88,8 @@ impl<'a> DistanceParts<'a> {
             .with_from(&self.from)
             .with_beside(self.beside)
             .with_unless(&self.unless)
+            .with_shifts(&self.shifts)
+            .with_origins(&self.origins)
             .with_usual_mm(self.usual_mm)
     }
 }

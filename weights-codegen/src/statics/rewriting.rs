@@ -63,6 +63,8 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
                     ("from", Node::Reference("DISTANCE_FROM")),
                     ("beside", model.distances.beside.describe()),
                     ("unless", Node::Reference("DISTANCE_UNLESS")),
+                    ("shifts", Node::Reference("DISTANCE_SHIFTS")),
+                    ("origins", Node::Reference("DISTANCE_ORIGINS")),
                     ("usual_mm", model.distances.usual_mm.describe()),
                 ],
             ),
@@ -221,6 +223,18 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "distances.unless",
             "&str",
             model.distances.unless,
+        ),
+        table(
+            "DISTANCE_SHIFTS",
+            "distances.shifts",
+            "DistanceShift<'static>",
+            model.distances.shifts,
+        ),
+        table(
+            "DISTANCE_ORIGINS",
+            "distances.origins",
+            "&str",
+            model.distances.origins,
         ),
         table(
             "APART_BETWEEN",

@@ -99,6 +99,7 @@ pub(crate) fn domain() -> Value {
         },
         "extremes": {"Flank": ["outermost"], "Largest": ["largest"]},
         "pronouns": {"then": "", "near": "jar"},
+        "placing": ["shift", "near"],
         "several": {
             "all": ["every"],
             "both": ["both"],
@@ -122,6 +123,8 @@ pub(crate) fn domain() -> Value {
             "from": ["off"],
             "beside": "beside",
             "unless": ["the"],
+            "shifts": {"Flank": ["sideways", "aside"]},
+            "origins": ["from there"],
             "usual_mm": 25,
         },
         "apart": {"between": ["and"], "phrases": ["whose finish is", "then"]},

@@ -192,7 +192,8 @@ fn what_is_said_of_several_objects_in_words_that_are_none() {
 
 #[test]
 fn pronouns_that_are_no_words() {
-    let spoils: [(&str, SpoilDomain); 3] = [
+    let spoils: [(&str, SpoilDomain); 4] = [
+        ("set", |domain| domain["placing"] = json!(["set"])),
         ("that", |domain| domain["pronouns"]["that"] = json!("")),
         ("plum", |domain| domain["pronouns"]["plum"] = json!("")),
         ("glass", |domain| {

@@ -218,7 +218,17 @@ fn distances_that_cannot_be_said_or_are_none() {
         |domain| domain["distances"]["beside"] = json!("beneath"),
         &["distances", "beneath", "not a word of the domain"],
     );
-    for key in ["before", "behind", "from", "unless"] {
+    let error = refused_domain(
+        |domain| domain["distances"]["shifts"] = json!({"Lift": ["up"]}),
+        &["distances.shifts", "\"Lift\" is not in distances.sides"],
+    );
+    let name = "Lift".into();
+    assert_eq!(error, ModelError::ShiftSide { name });
+    refused_domain(
+        |domain| domain["distances"]["shifts"] = json!({"Flank": ["To the side"]}),
+        &["no sentence can contain"],
+    );
+    for key in ["before", "behind", "from", "unless", "origins"] {
         refused_domain(
             |domain| domain["distances"][key] = json!(["By"]),
             &["no sentence can contain"],

@@ -126,6 +126,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         }
         let chosen = self.compound_action(step, action.index, reference.index)?;
         let distance_mm = self.distance_mm(step, chosen, reference.index)?;
+        let is_shift = distance_mm.is_some() && reference_description.relations().is_empty();
+        if has_itself(&description) {
+            return Err(self.unclear(step, span));
+        }
+        if has_itself(&reference_description) && !is_shift {
+            return Err(self.unclear(step, reference_span));
+        }
         check_table(
             self.model,
             chosen,
@@ -274,14 +281,8 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
     fn unclear_compound(&self, step: usize) -> Refusal {
         let tokens = self.tokens(step).iter();
         let mut said = tokens.filter(|token| matches!(token.kind, TokenKind::Compound { .. }));
-        Refusal::UnclearWords {
-            step: step as u8,
-            span: said
-                .next()
-                .map_or(Span { start: 0, end: 0 }, |token| token.span),
-            probability: 0.0,
-            threshold: self.model.header.thresholds.decision,
-        }
+        let span = said.next().map(|token| token.span);
+        self.unclear(step, span.unwrap_or(Span { start: 0, end: 0 }))
     }
 
     /// The distance that a step says; refused where it is none of where its object is put beside another one.
@@ -302,14 +303,19 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let group = self.roles.chain(reference).ok_or(Refusal::InvalidModel)?;
         let is_of_reference = distance.is_of(&group, &tokens, self.reader.tokens());
         if said.next().is_some() || !is_of_reference || !self.model.puts_aside(action) {
-            return Err(Refusal::UnclearWords {
-                step: step as u8,
-                span: distance.span,
-                probability: 0.0,
-                threshold: self.model.header.thresholds.decision,
-            });
+            return Err(self.unclear(step, distance.span));
         }
         Ok(Some(distance.mm))
+    }
+
+    /// Refuses words of a step that mean nothing there.
+    fn unclear(&self, step: usize, span: Span) -> Refusal {
+        Refusal::UnclearWords {
+            step: step as u8,
+            span,
+            probability: 0.0,
+            threshold: self.model.header.thresholds.decision,
+        }
     }
 
     /// Refuses a reading of a pronoun that is not meant; what the sentence lacks is told of the reading
@@ -344,7 +350,8 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
                 // pronoun is not restricted: nobody says "it left of the red block".
                 return Err(self.not_meant(step));
             }
-            *place = token.filters().copied().or(antecedent).unwrap_or_default();
+            let filters = token.filters().map(Filters::distinct);
+            *place = filters.or(antecedent).unwrap_or_default();
         }
         let description = self.roles.describe(chain, &filters);
         let description = description.ok_or(Refusal::TooManyRelations {
@@ -397,6 +404,12 @@ fn check_table(
         }),
         None => Ok(()),
     }
+}
+
+/// Whether a description names the object that is moved, which it may only as that from which this is moved.
+fn has_itself(description: &Description) -> bool {
+    let mut relations = description.relations().iter();
+    description.filters().is_itself() || relations.any(|relation| relation.to.is_itself())
 }
 
 /// How an object is related to the table that it stands on.

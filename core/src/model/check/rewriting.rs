@@ -143,14 +143,18 @@ impl<'a> Model<'a> {
             from,
             beside,
             unless,
+            shifts,
+            origins,
             ..
         } = self.distances;
         let fault = |text| Err(ModelFault::DistanceText(text));
         let units_in_order = first_unsorted(units.iter().map(|unit| unit.text));
         let numbers_in_order = first_unsorted(numbers.iter().map(|number| number.text));
-        let mut lists = [before, behind, from, unless].into_iter();
+        let shifts_in_order = first_unsorted(shifts.iter().map(|shift| shift.text));
+        let in_order = units_in_order.or(numbers_in_order).or(shifts_in_order);
+        let mut lists = [before, behind, from, unless, origins].into_iter();
         let unsorted = lists.find_map(|texts| first_unsorted(texts.iter().copied()));
-        if let Some(text) = units_in_order.or(numbers_in_order).or(unsorted) {
+        if let Some(text) = in_order.or(unsorted) {
             return fault(text);
         }
         let units = units.iter().map(|unit| (unit.text, unit.mm));
@@ -162,8 +166,19 @@ impl<'a> Model<'a> {
         if let Some((text, _)) = sizes.find(|(_, size)| !has_side || !is_positive(*size)) {
             return fault(text);
         }
+        if let Some(shift) = shifts.iter().find(|shift| !sides.contains(&shift.action)) {
+            return fault(shift.text);
+        }
+        // What stands on the table, and may be shifted, is told by its height.
+        if !shifts.is_empty() && self.on_table_below_m().is_none() {
+            return Err(ModelFault::TableHeight);
+        }
         let beside = (!from.is_empty()).then_some(beside);
-        match self.first_unknown(beside.into_iter()) {
+        let shifted = shifts.iter().filter_map(|shift| {
+            let action = self.actions.get(usize::from(shift.action))?;
+            Some(action.phrase)
+        });
+        match self.first_unknown(shifted.chain(beside)) {
             Some(text) => Err(ModelFault::DistanceWord(text)),
             None => Ok(()),
         }

@@ -1,4 +1,4 @@
-//! Distances from the reference, with the fixture in which `right` puts things 62.5 mm to the right, as it does
+//! Distances from the reference, and from where an object is, with the fixture in which `right` puts things 62.5 mm to the right, as it does
 //! where demonstrations leave 20 mm between two.
 
 use super::relations::{lego, plan_with, red};
@@ -77,4 +77,60 @@ fn a_distance_beyond_the_work_space_is_refused() {
     assert_eq!(refused.kind(), "outside_work_space");
     let refused = put("put red 900 mm from green").unwrap_err();
     assert_eq!(refused, Refusal::NoRoomOnTable { step: 0, object: 2 });
+}
+
+#[test]
+fn an_object_is_moved_by_a_distance_from_where_it_is() {
+    let (_, [.., was_z]) = put("put red right green").unwrap();
+    for (sentence, expected_m) in [("put red 5 cm right", 0.05), ("put red 5 mm right", 0.005)] {
+        let (middle, [x, y, z]) = put(sentence).unwrap();
+        let [was_x, was_y] = [0.5, -0.2];
+        assert!(
+            (middle[0] - (0.9 + 2.0 * expected_m)).abs() < 1e-4,
+            "{middle:?}"
+        );
+        assert!((x - was_x).abs() < 1e-4 && (y - (was_y - expected_m)).abs() < 1e-4);
+        assert!((z - was_z).abs() < 1e-4);
+    }
+    let model = fixture::with_distances();
+    let objects = [green(0.5, 0.5), red(2, 0.6, 0.5), lego()];
+    let plan = plan_with(&model, &objects, "put red 5 cm right").unwrap();
+    let told = plan.explain(&model).to_string();
+    let expected = "move the red object (id 2, score 1.00) right where it is, by 50 mm; ";
+    assert!(told.contains(expected), "{told}");
+}
+
+#[test]
+fn each_of_several_objects_is_moved_from_where_it_is() {
+    let objects = [green(0.5, 0.5), red(2, 0.2, 0.5), red(3, 0.4, 0.2), lego()];
+    let plan = plan_with(
+        &fixture::with_distances(),
+        &objects,
+        "put all red 5 cm right",
+    )
+    .unwrap();
+    let moved = plan.steps().iter().map(|step| {
+        let [x1, _, x2, ..] = step.location;
+        (step.object.object, 0.5 * (x1 + x2))
+    });
+    for ((object, x), (expected, expected_x)) in moved.zip([(2, 0.3), (3, 0.5)]) {
+        assert_eq!(object, expected);
+        assert!((x - expected_x).abs() < 1e-4, "{x}");
+    }
+    assert_eq!(plan.steps().len(), 2);
+}
+
+#[test]
+fn what_stands_on_another_object_is_not_shifted() {
+    let tower = [
+        green(0.5, 0.5),
+        lifted(fixture::object(2, fixture::RED, 2, 0.5, 0.5)),
+        lego(),
+    ];
+    let plan = |sentence| plan_with(&fixture::with_distances(), &tower, sentence);
+    let refused = plan("put red 5 cm right").unwrap_err();
+    assert_eq!(refused, Refusal::NotOnTable { step: 0, object: 2 });
+    // It moves what it carries, too.
+    let refused = plan("put green 5 cm right").unwrap_err();
+    assert_eq!(refused, Refusal::HiddenReference { step: 0, object: 1 });
 }

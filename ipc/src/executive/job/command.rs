@@ -21,6 +21,10 @@ impl Job<'_> {
         (self.clearing, self.has_cleared) = (None, false);
         self.belief.carry(planned.object.object);
         self.placements.take(self.step, planned.object.object);
+        if self.is_shift() {
+            // Sought anew once the object has moved, its goal would move on with it.
+            self.placements.put(self.step, planned, None);
+        }
         let command = Command {
             id: CommandId {
                 plan: self.number,

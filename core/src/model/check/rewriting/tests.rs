@@ -3,8 +3,8 @@ use crate::dsl::Extreme;
 use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Count,
-    CountedFrom, DistanceNumber, DistanceUnit, MAX_SIDES, Opening, Ordinals, Ranked, Repairs,
-    Rephrased, Rephrasing, Sequence, SequenceText, Table,
+    CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, MAX_SIDES, Opening, Ordinals, Ranked,
+    Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Table,
 };
 
 #[test]
@@ -330,4 +330,13 @@ fn each_fault_of_distances_is_named() {
     assert_eq!(check(&|all| all.beside = "past beneath"), word);
     assert_eq!(check(&|all| all.sides = &[]), text("cm"));
     assert_eq!(check(&|all| all.sides = &[1, 2]), text("cm"));
+    const SHIFT: DistanceShift<'_> = DistanceShift::new().with_text("aside").with_action(1);
+    assert_eq!(check(&|all| all.shifts = &[SHIFT]), Ok(()));
+    assert_eq!(check(&|all| all.shifts = &[SHIFT, SHIFT]), text("aside"));
+    const UP: DistanceShift<'_> = SHIFT.with_action(0);
+    assert_eq!(check(&|all| all.shifts = &[UP]), text("aside"));
+    assert_eq!(check(&|all| all.origins = &["there", "here"]), text("here"));
+    let mut model = fixture::with_distances();
+    model.actions = fixture::model().actions;
+    assert_eq!(model.check(), Err(ModelFault::DistanceWord("to")));
 }
