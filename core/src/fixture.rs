@@ -304,6 +304,7 @@ pub(crate) fn model() -> Model<'static> {
         placing: &[],
         several: Several::new(),
         rephrasing: Rephrasing::new(),
+        exceptions: Exceptions::new(),
         repairs: Repairs::new(),
         sequence: Sequence::new(),
         distances: Distances::new(),
@@ -456,6 +457,28 @@ pub(crate) fn with_ordinals() -> Model<'static> {
         .with_unless(&["of"]);
     let apart = Apart::new().with_phrases(&["whose is"]);
     let model = related().with_ordinals(ordinals).with_apart(apart);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
+/// [`with_table`] that leaves objects out: by "except" and "except for", and "that isn't" of what they are not; "near" is
+/// a noun, with a plural.
+pub(crate) fn with_exceptions() -> Model<'static> {
+    let model = with_table();
+    let near = model.words.iter().position(|word| word.text == "near");
+    let plural = Plural {
+        text: "nears",
+        word: u16::try_from(near.unwrap()).unwrap(),
+    };
+    let ordinals = Ordinals::new()
+        .with_articles(&["the"])
+        .with_nouns(&["near"]);
+    let several = Several::new().with_plurals(Box::leak(Box::new([plural])));
+    let exceptions = Exceptions::new()
+        .with_phrases(&["except", "except for"])
+        .with_negations(&["that isn't"]);
+    let model = model.with_exceptions(exceptions);
+    let model = model.with_ordinals(ordinals).with_several(several);
     assert_eq!(model.check(), Ok(()));
     model
 }

@@ -18,6 +18,7 @@ mod check;
 mod compound;
 mod distance;
 mod embeddings;
+mod exception;
 mod ordinal;
 mod repair;
 mod rephrasing;
@@ -28,6 +29,7 @@ pub use check::ModelFault;
 pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
 pub use distance::{DistanceNumber, DistanceShift, DistanceUnit, Distances};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
+pub use exception::Exceptions;
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
 pub use rephrasing::{Rephrased, Rephrasing};
@@ -103,6 +105,8 @@ pub struct Model<'a> {
     pub several: Several<'a>,
     /// What is read as other words.
     pub rephrasing: Rephrasing<'a>,
+    /// How something is left out of a description.
+    pub exceptions: Exceptions<'a>,
     /// How something is taken back.
     pub repairs: Repairs<'a>,
     /// In which order steps are carried out that are said in another one.

@@ -199,6 +199,12 @@ typedef struct nsrm_step_message {
     uint8_t object[4];
     /** Which of several such objects is moved, as in a relation. */
     uint32_t object_which;
+    /** How many concepts describe objects that are not moved though all else fits; 0 if none is left out. */
+    uint32_t object_except_count;
+    /** Those concepts. */
+    uint8_t object_except[4];
+    /** Whether a single such object is left out, 0, or any number, as which of several. */
+    uint32_t object_except_which;
     /** How many relations the description of the object to move has. */
     uint32_t object_relation_count;
     /** Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -210,6 +216,12 @@ typedef struct nsrm_step_message {
     uint8_t reference[4];
     /** Which of several such objects is the reference, as in a relation. */
     uint32_t reference_which;
+    /** How many concepts describe objects that are not the reference though all else fits. */
+    uint32_t reference_except_count;
+    /** Those concepts. */
+    uint8_t reference_except[4];
+    /** Whether a single such object is left out, 0, or any number. */
+    uint32_t reference_except_which;
     /** How many relations the description of the reference has. */
     uint32_t reference_relation_count;
     /** Those relations. */
@@ -238,29 +250,35 @@ typedef struct nsrm_step_message {
      *  metres. */
     float location[5];
 } nsrm_step_message;
-#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.e45d9d560755ab3a"
-NSRM_ASSERT(sizeof(nsrm_step_message) == 216, "size of nsrm_step_message");
+#define NSRM_STEP_MESSAGE_TYPE_NAME "nsrm.v1.StepMessage.cf0090730a3b4daa"
+NSRM_ASSERT(sizeof(nsrm_step_message) == 240, "size of nsrm_step_message");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_step_message) == 4, "alignment of nsrm_step_message");
 NSRM_ASSERT(offsetof(nsrm_step_message, action) == 0, "offset of action");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_count) == 4, "offset of object_count");
 NSRM_ASSERT(offsetof(nsrm_step_message, object) == 8, "offset of object");
 NSRM_ASSERT(offsetof(nsrm_step_message, object_which) == 12, "offset of object_which");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 16, "offset of object_relation_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 20, "offset of object_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 60, "offset of reference_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 64, "offset of reference");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_which) == 68, "offset of reference_which");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 72, "offset of reference_relation_count");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 76, "offset of reference_relations");
-NSRM_ASSERT(offsetof(nsrm_step_message, distance_mm) == 116, "offset of distance_mm");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 120, "offset of object_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 124, "offset of reference_id");
-NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 128, "offset of object_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 132, "offset of reference_score");
-NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 136, "offset of confidence");
-NSRM_ASSERT(offsetof(nsrm_step_message, position) == 168, "offset of position");
-NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 180, "offset of orientation");
-NSRM_ASSERT(offsetof(nsrm_step_message, location) == 196, "offset of location");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_except_count) == 16, "offset of object_except_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_except) == 20, "offset of object_except");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_except_which) == 24, "offset of object_except_which");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relation_count) == 28, "offset of object_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_relations) == 32, "offset of object_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_count) == 72, "offset of reference_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference) == 76, "offset of reference");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_which) == 80, "offset of reference_which");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_except_count) == 84, "offset of reference_except_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_except) == 88, "offset of reference_except");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_except_which) == 92, "offset of reference_except_which");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relation_count) == 96, "offset of reference_relation_count");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_relations) == 100, "offset of reference_relations");
+NSRM_ASSERT(offsetof(nsrm_step_message, distance_mm) == 140, "offset of distance_mm");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_id) == 144, "offset of object_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_id) == 148, "offset of reference_id");
+NSRM_ASSERT(offsetof(nsrm_step_message, object_score) == 152, "offset of object_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, reference_score) == 156, "offset of reference_score");
+NSRM_ASSERT(offsetof(nsrm_step_message, confidence) == 160, "offset of confidence");
+NSRM_ASSERT(offsetof(nsrm_step_message, position) == 192, "offset of position");
+NSRM_ASSERT(offsetof(nsrm_step_message, orientation) == 204, "offset of orientation");
+NSRM_ASSERT(offsetof(nsrm_step_message, location) == 220, "offset of location");
 
 /** An event in the execution of a `PlanRequest`. */
 typedef struct nsrm_plan_reply {
@@ -292,8 +310,8 @@ typedef struct nsrm_plan_reply {
     /** The program's steps with `Status::Planned`. */
     nsrm_step_message steps[8];
 } nsrm_plan_reply;
-#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.68b12293f6f4fb08"
-NSRM_ASSERT(sizeof(nsrm_plan_reply) == 2808, "size of nsrm_plan_reply");
+#define NSRM_PLAN_REPLY_TYPE_NAME "nsrm.v1.PlanReply.a2af30d8382126dc"
+NSRM_ASSERT(sizeof(nsrm_plan_reply) == 3000, "size of nsrm_plan_reply");
 NSRM_ASSERT(NSRM_ALIGN_OF(nsrm_plan_reply) == 8, "alignment of nsrm_plan_reply");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, client) == 0, "offset of client");
 NSRM_ASSERT(offsetof(nsrm_plan_reply, request) == 8, "offset of request");

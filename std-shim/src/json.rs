@@ -274,34 +274,51 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
 
 /// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
 /// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `second leftmost`, `all`, `both` and, in plans,
-/// `each`; the table `{"concepts": [], "which": "table"}`, and in the same way the moved object, `itself`; with relations
+/// `each`; without some of them `{"concepts": [], "which": "all", "except": ["red"]}`; the table `{"concepts": [], "which": "table"}`, and in the same way the moved object, `itself`; with relations
 /// `{"concepts": ["red"], "relation": {"name": "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();
     let innermost = relations.last().map(|relation| &relation.to);
     // From the innermost anchor outwards: what each relation belongs to stands before it.
-    let mut value = filtered(model, innermost.unwrap_or(description.filters()), None);
+    let except = |index| {
+        if index == 0 {
+            description.except()
+        } else {
+            None
+        }
+    };
+    let own = innermost.unwrap_or(description.filters());
+    let mut value = filtered(model, own, except(relations.len()), None);
     for (index, relation) in relations.iter().enumerate().rev() {
         let before = index
             .checked_sub(1)
             .and_then(|before| relations.get(before));
         let own = before.map_or(description.filters(), |before| &before.to);
         let name = relation.kind.name(model);
-        value = filtered(model, own, Some(json!({"name": name, "to": value})));
+        let relation = Some(json!({"name": name, "to": value}));
+        value = filtered(model, own, except(index), relation);
     }
     value
 }
 
-/// Filters, with the relation of what they describe.
-fn filtered(model: &Model<'_>, filters: &Filters, relation: Option<Value>) -> Value {
+/// Filters, with what is left out, and the relation of what they describe.
+fn filtered(
+    model: &Model<'_>,
+    filters: &Filters,
+    except: Option<&Filters>,
+    relation: Option<Value>,
+) -> Value {
     let concepts = json!(names(model, filters));
     let which = filters.choice();
-    if which.is_none() && relation.is_none() {
+    if which.is_none() && except.is_none() && relation.is_none() {
         return concepts;
     }
     let mut value = json!({"concepts": concepts});
     if let Some(which) = which {
         value["which"] = json!(which.name(model));
+    }
+    if let Some(except) = except {
+        value["except"] = filtered(model, except, None, None);
     }
     if let Some(relation) = relation {
         value["relation"] = relation;

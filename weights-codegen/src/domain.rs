@@ -18,7 +18,7 @@ use compounds::Compounds;
 pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
-use rewriting::{Apart, Repairs, Rephrasing, Sequence, Table};
+use rewriting::{Apart, Exceptions, Repairs, Rephrasing, Sequence, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements};
 
 /// Keys of a relation of everyday wording that name rules.
@@ -66,6 +66,9 @@ pub struct Domain {
     /// What is read as other words.
     #[serde(default)]
     pub rephrasing: Rephrasing,
+    /// How objects are left out of a description.
+    #[serde(default)]
+    pub exceptions: Exceptions,
     /// How something is taken back.
     #[serde(default)]
     pub repairs: Repairs,

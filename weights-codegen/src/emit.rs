@@ -28,9 +28,10 @@ use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
     Action, Apart, Arrangement, Arrangements, Attribute, Closing, Compound, CompoundText,
     Compounds, Concept, Count, CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Distances,
-    Embeddings, Header, Heard, Language, LexiconEntry, Model, Opening, Ordinals, PixelToCamera,
-    Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Several,
-    Simulator, Spelling, Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word, WorkSpace,
+    Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Model, Opening, Ordinals,
+    PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText,
+    Several, Simulator, Spelling, Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word,
+    WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Not every domain has compounds.

@@ -4,9 +4,9 @@ mod distances;
 mod rewriting;
 
 use nsrm_core::model::{
-    Action, Apart, Attribute, Concept, Embeddings, Header, Heard, Language, LexiconEntry, MERGED,
-    Model, Plural, Pronoun, Repairs, Several, Simulator, Spelling, VIEW_EMBEDDING, View,
-    ViewEncoder, Vision, Word,
+    Action, Apart, Attribute, Concept, Embeddings, Exceptions, Header, Heard, Language,
+    LexiconEntry, MERGED, Model, Plural, Pronoun, Repairs, Several, Simulator, Spelling,
+    VIEW_EMBEDDING, View, ViewEncoder, Vision, Word,
 };
 use nsrm_core::nn::{Cell, Dense, Gru, Int8Gru, Int8Linear, Linear, Precision};
 use safetensors::SafeTensors;
@@ -60,6 +60,7 @@ struct Parts<'a> {
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
     rephrasing: RephrasingParts<'a>,
+    exceptions: [Vec<&'a str>; 2],
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
     distances: DistanceParts<'a>,
@@ -172,6 +173,11 @@ impl OwnedModel {
                     .with_plurals(&parts.plurals),
             )
             .with_rephrasing(parts.rephrasing.lent())
+            .with_exceptions(
+                Exceptions::new()
+                    .with_phrases(&parts.exceptions[0])
+                    .with_negations(&parts.exceptions[1]),
+            )
             .with_repairs(
                 Repairs::new()
                     .with_corrections(&parts.repairs[0])
@@ -271,6 +277,8 @@ impl<'a> Parts<'a> {
                 })
                 .collect::<Result<_, ModelError>>()?,
             rephrasing: RephrasingParts::new(domain),
+            exceptions: [&domain.exceptions.phrases, &domain.exceptions.negations]
+                .map(|texts| texts.iter().map(String::as_str).collect()),
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             sequence: SequenceParts::new(domain),

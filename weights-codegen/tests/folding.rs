@@ -68,6 +68,8 @@ fn names_stand_with_their_parameters() {
             .eq([("do so", ""), ("is supposed to", "then")])
     );
     assert_eq!(model.rephrasing.first_words, ["do", "is"]);
+    assert_eq!(model.exceptions.phrases, ["except", "except for"]);
+    assert_eq!(model.exceptions.negations, ["that is not"]);
     assert_eq!(model.repairs.corrections, ["no", "oh no"]);
     assert_eq!(model.repairs.exclusions, ["not"]);
     let texts = |texts: &[SequenceText<'_>]| -> Vec<(String, String, bool)> {

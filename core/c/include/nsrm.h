@@ -75,7 +75,7 @@
 #define NSRM_RANKED 1024
 
 /** Bytes of a task. */
-#define NSRM_TASK_BYTES 14912
+#define NSRM_TASK_BYTES 15616
 
 /** What a function returns: not negative if it did what it says. */
 enum nsrm_status_t
@@ -517,6 +517,11 @@ typedef struct nsrm_relation_t {
 typedef struct nsrm_description_t {
     /** What the object itself looks like. */
     struct nsrm_filters_t filters;
+    /**
+     * What objects look like that are not meant though all else fits, "except the red one"; without concepts if
+     * none is left out. `which` is 0 for a single one, or `NSRM_ALL` for any number.
+     */
+    struct nsrm_filters_t except;
     /** How many relations there are. */
     uint32_t relation_count;
     /** The object's own relation to another one, then that one's to a third; 0 behind the last. */

@@ -127,6 +127,9 @@ pub struct Relation {
 pub struct Description {
     /// What the object itself looks like.
     pub filters: Filters,
+    /// What objects look like that are not meant though all else fits, "except the red one"; without concepts if
+    /// none is left out. `which` is 0 for a single one, or `NSRM_ALL` for any number.
+    pub except: Filters,
     /// How many relations there are.
     pub relation_count: u32,
     /// The object's own relation to another one, then that one's to a third; 0 behind the last.
@@ -228,6 +231,7 @@ impl From<&dsl::Description> for Description {
     fn from(description: &dsl::Description) -> Self {
         let mut copied = Self {
             filters: description.filters().into(),
+            except: description.except().map(Filters::from).unwrap_or_default(),
             ..Self::default()
         };
         for (place, relation) in copied.relations.iter_mut().zip(description.relations()) {

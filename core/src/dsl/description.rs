@@ -370,6 +370,7 @@ pub struct Relation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Description {
     filters: Filters,
+    except: Filters,
     relations: [Relation; MAX_RELATIONS],
     count: u8,
 }
@@ -388,15 +389,30 @@ impl Description {
         };
         Self {
             filters,
+            except: Filters::new(),
             relations: [NONE; MAX_RELATIONS],
             count: 0,
         }
+    }
+
+    /// The same without some objects: see [`Description::except`].
+    #[must_use]
+    pub const fn excepting(self, except: Filters) -> Self {
+        Self { except, ..self }
+    }
+
+    /// What the objects look like that are not meant though all else fits, in "all blocks except the red one" or "the
+    /// block that is not red": a single one of those that fit, or any number with [`Quantifier::All`]; `None` if
+    /// nothing is left out.
+    pub fn except(&self) -> Option<&Filters> {
+        Some(&self.except).filter(|except| !except.concepts().is_empty())
     }
 
     /// Whether both say the same, with the concepts in whatever order.
     pub fn says_same(&self, other: &Self) -> bool {
         let (these, those) = (self.relations(), other.relations());
         self.filters.says_same(&other.filters)
+            && self.except.says_same(&other.except)
             && these.len() == those.len()
             && these
                 .iter()

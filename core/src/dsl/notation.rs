@@ -68,6 +68,14 @@ impl fmt::Display for DescriptionWords<'_> {
         let relations = self.description.relations();
         let filters = self.description.filters();
         filters.words(self.model).fmt(f)?;
+        if let Some(except) = self.description.except() {
+            let separator = if filters.is_empty() { "" } else { " " };
+            write!(
+                f,
+                "{separator}except {}",
+                except.of_each().words(self.model)
+            )?;
+        }
         if filters.concepts().is_empty() && !relations.is_empty() {
             f.write_str(match filters.choice() {
                 Some(Property::Quantifier(_)) => " that are",
@@ -98,13 +106,13 @@ impl StepNotation<'_> {
             Some(Property::Itself) => return f.write_str("Itself()"),
             _ => {}
         }
-        let mut open = self.open(description.filters(), f)?;
+        let mut open = self.open(description.filters(), description.except(), f)?;
         for relation in description.relations() {
             write!(f, "Relate({}, ", relation.kind.name(self.model))?;
             if relation.to.is_table() {
                 return self.close(TABLE, open + 1, f);
             }
-            open += 1 + self.open(&relation.to, f)?;
+            open += 1 + self.open(&relation.to, None, f)?;
         }
         self.close("Scene()", open, f)
     }
@@ -118,9 +126,14 @@ impl StepNotation<'_> {
         Ok(())
     }
 
-    /// Writes `Unique(Extreme(…, 2, Filter(…, ` up to what is filtered; returns the number of open
+    /// Writes `Unique(Extreme(…, 2, Except(…, Filter(…, ` up to what is filtered; returns the number of open
     /// brackets.
-    fn open(&self, filters: &Filters, f: &mut fmt::Formatter<'_>) -> Result<usize, fmt::Error> {
+    fn open(
+        &self,
+        filters: &Filters,
+        except: Option<&Filters>,
+        f: &mut fmt::Formatter<'_>,
+    ) -> Result<usize, fmt::Error> {
         let quantifier = filters.quantifier();
         f.write_str(quantifier.map_or("Unique", Quantifier::symbol))?;
         f.write_str("(")?;
@@ -131,10 +144,18 @@ impl StepNotation<'_> {
                 write!(f, "{rank}, ")?;
             }
         }
+        if let Some(except) = except {
+            f.write_str("Except(")?;
+            let open = self.open(except, None, f)?;
+            self.close("Scene()", open, f)?;
+            f.write_str(", ")?;
+        }
         for &concept in filters.concepts() {
             write!(f, "Filter({}, ", concept_name(self.model, concept))?;
         }
-        Ok(1 + usize::from(which.is_some()) + filters.concepts().len())
+        let around = [true, which.is_some(), except.is_some()];
+        let around = around.into_iter().filter(|is_there| *is_there).count();
+        Ok(around + filters.concepts().len())
     }
 }
 

@@ -84,6 +84,9 @@ impl StepExplanation<'_> {
         f: &mut fmt::Formatter<'_>,
     ) -> fmt::Result {
         self.noun(description.filters(), f)?;
+        if let Some(except) = description.except() {
+            write!(f, " except {}", except.of_each().words(self.model))?;
+        }
         for relation in description.relations() {
             let phrase = relation.kind.phrase(self.model);
             write!(f, " that is {phrase} ")?;

@@ -12,6 +12,7 @@ mod compounds;
 mod decoders;
 mod distances;
 mod encoder;
+mod exceptions;
 mod nearest;
 mod off_table;
 mod ordinals;

@@ -159,7 +159,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
     }
 
     /// Whether an article stands before a token.
-    fn is_article(&self, tokens: &[Token], at: usize) -> bool {
+    pub(super) fn is_article(&self, tokens: &[Token], at: usize) -> bool {
         let before = at.checked_sub(1).and_then(|before| tokens.get(before));
         before.is_some_and(|token| self.is_one_of(self.model.ordinals.articles, token))
     }

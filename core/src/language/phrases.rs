@@ -156,8 +156,25 @@ impl<'a> PhraseMatcher<'_, 'a> {
         span: Span,
     ) -> Result<usize, Refusal> {
         let words = || parts(words).filter(|text| !text.is_empty());
+        let start = replaced.start;
+        let behind = Self::resize(tokens, replaced, words().count(), span)?;
+        for (place, text) in tokens.iter_mut().skip(start).zip(words()) {
+            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
+            let kind = TokenKind::Word(index);
+            *place = Token { kind, span };
+        }
+        Ok(behind)
+    }
+
+    /// Puts so many tokens in place of these, unknown words where there are more; the index of the token behind them.
+    pub(super) fn resize(
+        tokens: &mut Tokens,
+        replaced: &Range<usize>,
+        count: usize,
+        span: Span,
+    ) -> Result<usize, Refusal> {
         let Range { start, end } = *replaced;
-        let behind = start.saturating_add(words().count());
+        let behind = start.saturating_add(count);
         let rest = tokens.len().saturating_sub(end);
         let length = behind.saturating_add(rest);
         while tokens.len() < length {
@@ -178,11 +195,6 @@ impl<'a> PhraseMatcher<'_, 'a> {
             }
         }
         tokens.truncate(length);
-        for (place, text) in tokens.iter_mut().skip(start).zip(words()) {
-            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
-            let kind = TokenKind::Word(index);
-            *place = Token { kind, span };
-        }
         Ok(behind)
     }
 

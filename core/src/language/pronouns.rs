@@ -26,7 +26,7 @@ pub(super) fn antecedent(program: &Program) -> Option<Filters> {
         Some(Property::Ranked(_)) => false,
         _ => true,
     };
-    let is_single = object.filters().quantifier().is_none();
+    let is_single = object.filters().quantifier().is_none() && object.except().is_none();
     (is_single && lasts && object.relations().is_empty()).then_some(*object.filters())
 }
 

@@ -84,6 +84,13 @@ impl PhraseMatcher<'_, '_> {
                 return None;
             }
         } else {
+            // "All small blocks, not red ones" rules nothing out, and leaves some out.
+            let (meant, other) = (filters(first)?, filters(second)?);
+            let mut said = other.concepts().iter();
+            let is_same = said.all(|concept| meant.concepts().contains(concept));
+            if is_same || !says_as_much(self.model, other, meant) {
+                return None;
+            }
             // What else is described may belong to the one that is left out.
             let groups = tokens.get(clause)?.iter().filter(|token| token.is_group());
             if groups.count() > ARGUMENTS.saturating_add(1) {
@@ -187,7 +194,7 @@ mod tests {
                 "put topmost red no rightmost green on lego",
                 "put rightmost green on lego",
             ),
-            ("put red never lego on green", "put red on green"),
+            ("put small never lego on green", "put small on green"),
             (
                 "put red small the instead of lego the on green",
                 "put red small the on green",
@@ -197,8 +204,8 @@ mod tests {
                 "put lego on the green",
             ),
             (
-                "put red never lego on green then put lego no small on red",
-                "put red on green then put small on red",
+                "put small never lego on green then put lego no small on red",
+                "put small on green then put small on red",
             ),
             (
                 "put lego on red then put lego on red no on green",
@@ -223,6 +230,9 @@ mod tests {
             "put red no the green on lego",
             "put red never on lego",
             "put red on green no then put lego on green",
+            // One of the red ones is left out, or all.
+            "put red never lego on green",
+            "put red never red on green",
             // Of which one is it said that it is on the small one?
             "put red never green on small on lego",
             "no red on green",

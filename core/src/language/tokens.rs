@@ -4,6 +4,7 @@ use heapless::Vec;
 use rewriting::{Rewriting, Twofold};
 
 use super::distances::Distance;
+use super::exceptions::Exception;
 use super::pronouns::pronoun;
 use super::spelling::{Correction, KnownWord, alternatives};
 use super::words::{Span, find, is_full_stop, is_space, next_word, word};
@@ -102,6 +103,7 @@ pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 /// where it is followed so.
 ///
 /// Phrases are read as others that mean the same ([`crate::model::Rephrasing`]).
+/// What is left out of a description ([`crate::model::Exceptions`]), "except the red one", is kept apart from the tokens.
 /// A description that is taken back or ruled out ([`crate::model::Repairs`]), "the red block" in "the red block, no, the
 /// green one", is left out. Two steps that are said in another order ([`crate::model::Sequence`]), "before you put …, put …",
 /// are put in order. Values that stand apart ([`crate::model::Apart`]) are joined to one group, "the small block that is red"
@@ -141,6 +143,8 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
+    /// What was left out of descriptions.
+    exceptions: Vec<Exception, MAX_STEPS, u8>,
     /// The distances that were left out of the tokens.
     distances: Vec<Distance, MAX_STEPS, u8>,
     /// What has been done of rewriting the tokens.
@@ -183,6 +187,7 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
+            exceptions: Vec::new(),
             distances: Vec::new(),
             rewriting: Rewriting::Rephrasing { from: 0 },
             chosen: [None; Twofold::COUNT],
@@ -241,6 +246,11 @@ impl Reader {
     /// The unknown words so far that were read as known ones.
     pub fn corrections(&self) -> &[Correction] {
         &self.corrections
+    }
+
+    /// What was left out of descriptions.
+    pub(super) fn exceptions(&self) -> &[Exception] {
+        &self.exceptions
     }
 
     /// The distances that were left out of the tokens.

@@ -4,12 +4,13 @@
 use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
     Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, DistanceNumber,
-    DistanceShift, DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, HAZARD_INPUT, Header,
-    Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry, MERGE_CHANNELS,
-    MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS, PixelToCamera, Plural,
-    Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN, SPLITTER_HIDDEN,
-    SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling, Superlative, Table,
-    Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    DistanceShift, DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, Exceptions, HAZARD_INPUT,
+    Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry,
+    MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS,
+    PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling,
+    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
+    WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -58,6 +59,7 @@ builder! {
         placing, with_placing: &'a [u16] = &[];
         several, with_several: Several<'a> = Several::UNSET;
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
+        exceptions, with_exceptions: Exceptions<'a> = Exceptions::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
         sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
         distances, with_distances: Distances<'a> = Distances::UNSET;
@@ -151,6 +153,10 @@ builder! {
     ['a] Rephrased<'a> {
         text, with_text: &'a str = "";
         read_as, with_read_as: &'a str = "";
+    }
+    ['a] Exceptions<'a> {
+        phrases, with_phrases: &'a [&'a str] = &[];
+        negations, with_negations: &'a [&'a str] = &[];
     }
     ['a] Repairs<'a> {
         corrections, with_corrections: &'a [&'a str] = &[];

@@ -96,6 +96,9 @@ pub enum ModelFault<'a> {
     /// A word that is read where two steps are put in order is none of the model's; the word.
     #[error("word \"{0}\", which is read where two steps are put in order, isn't there")]
     SequenceWord(&'a str),
+    /// What leaves objects out is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", which leaves objects out, is empty, out of order or repeated")]
+    ExceptionText(&'a str),
     /// What says a distance is empty, or not sorted and unique, a unit or a number is not positive and finite, or there
     /// are units without a side, or with one that isn't there, or it is a direction of no side; the text.
     #[error(
@@ -297,6 +300,7 @@ impl<'a> Model<'a> {
         self.check_pronouns()?;
         self.check_several()?;
         self.check_rephrasing()?;
+        self.check_exceptions()?;
         self.check_repairs()?;
         self.check_sequence()?;
         self.check_distances()?;

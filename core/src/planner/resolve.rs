@@ -5,8 +5,8 @@ use super::Grounding;
 use super::sight::{Fit, Sight};
 use super::superlative::Superlative;
 use crate::capacity::MAX_OBJECTS;
-use crate::dsl::{Argument, Description, Extreme, Quantifier, Relation, RelationKind};
-use crate::grounding::{ScoreError, Scores, filter};
+use crate::dsl::{Argument, Description, Extreme, Filters, Quantifier, Relation, RelationKind};
+use crate::grounding::{Filtered, ScoreError, Scores, filter};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
 use crate::relation::{RELATION_CLEAR, relate};
@@ -50,6 +50,8 @@ pub(super) struct Judged {
     pub(super) is_rough: bool,
     /// If objects are compared by size: NaN if it's not known.
     pub(super) volume: f32,
+    /// Whether it is left out, though it would fit.
+    is_excepted: bool,
 }
 
 impl Judged {
@@ -58,6 +60,7 @@ impl Judged {
         fit: Fit::No,
         is_rough: false,
         volume: f32::NAN,
+        is_excepted: false,
     };
 }
 
@@ -108,6 +111,7 @@ impl Resolver {
         if self.score_next(&sought, within)? {
             return Ok(None);
         }
+        self.check_excepted(&sought, within)?;
         let is_clear = self.compare(&sought, within)?;
         let found = self.choose(&sought, within, is_clear)?;
         let Some(level) = self.level.checked_sub(1) else {
@@ -140,6 +144,7 @@ impl Resolver {
         if self.score_next(description, within)? {
             return Ok(None);
         }
+        self.check_excepted(description, within)?;
         let threshold = within.model.header.thresholds.match_score;
         let mut unclear = Candidates::default();
         // Heights and ids, the highest first.
@@ -230,12 +235,9 @@ impl Resolver {
         index: usize,
         object: &ObservedObject,
     ) -> Result<(f32, Judged), Refusal> {
-        let filtered = filter(within.model, &object.embedding, sought.filters());
-        let filtered = filtered.map_err(|error| match error {
-            ScoreError::UnknownConcept => Refusal::InvalidModel,
-            ScoreError::NotFinite => within.not_finite(),
-        })?;
         let filters = sought.filters();
+        let filtered = within.filtered(object, filters)?;
+        let except = sought.except();
         let is_compared = filters.choice().is_some()
             || !matches!(
                 sought.relations().first(),
@@ -245,36 +247,33 @@ impl Resolver {
                 })
             );
         // Else nothing depends on it.
-        let sight = if is_compared || filtered.size.is_some() {
+        let sight = if is_compared || filtered.size.is_some() || except.is_some() {
             Sight::of(index, within)
         } else {
             Sight::WHOLE
         };
-        let size = filtered.size.filter(|_| sight.is_partial);
-        let has_size = size.map(|size| sight.has_size(size, within.model));
-        let mut score = match has_size {
-            Some(Fit::No) => -1.0,
-            Some(Fit::Yes) => filtered.besides_size,
-            Some(Fit::Maybe) | None => filtered.score,
-        };
+        let (mut score, has_size) = seen(&filtered, &sight, within.model);
         if within.each.is_some_and(|each| object.id != each) {
             score = -1.0;
         } else if let Some(related) = self.relation(sought, within, index)? {
             score = score.min(related);
         }
-        let seems_to = score >= within.model.header.thresholds.match_score;
-        let is_all_told =
-            sight.is_color_told && filtered.are_colors && has_size != Some(Fit::Maybe);
-        let is_clear = !sight.is_partial
-            || sought.concepts().is_empty()
-            || has_size == Some(Fit::No)
-            || (sight.is_color_told && filtered.is_other_color)
-            || (seems_to && is_all_told);
-        let fit = match (is_clear, seems_to) {
-            (true, true) => Fit::Yes,
-            (true, false) => Fit::No,
-            (false, _) => Fit::Maybe,
-        };
+        let threshold = within.model.header.thresholds.match_score;
+        let is_open = filters.concepts().is_empty();
+        let mut fit = fits(&filtered, &sight, has_size, score >= threshold, is_open);
+        let mut is_excepted = false;
+        if let Some(except) = except.filter(|_| fit != Fit::No) {
+            let filtered = within.filtered(object, except)?;
+            let (excepted, has_size) = seen(&filtered, &sight, within.model);
+            match fits(&filtered, &sight, has_size, excepted >= threshold, false) {
+                Fit::Yes => {
+                    (score, is_excepted) = (-1.0, fit == Fit::Yes);
+                    fit = Fit::No;
+                }
+                Fit::No => {}
+                Fit::Maybe => fit = Fit::Maybe,
+            }
+        }
         let volume = match filters.which(within.model) {
             Some((Extreme::Largest | Extreme::Smallest, _)) if sight.is_partial => {
                 sight.volume(within.model)
@@ -288,8 +287,35 @@ impl Resolver {
             fit,
             is_rough: sight.is_rough,
             volume,
+            is_excepted,
         };
         Ok((score, judged))
+    }
+
+    /// Refuses a single object that is left out if there is none, or several.
+    fn check_excepted(&self, sought: &Description, within: &Within<'_>) -> Result<(), Refusal> {
+        let except = sought
+            .except()
+            .filter(|except| except.quantifier().is_none());
+        let Some(except) = except else {
+            return Ok(());
+        };
+        let mut candidates = Candidates::default();
+        for (object, judged) in within.scene.objects().iter().zip(self.judged) {
+            if judged.is_excepted {
+                let (object, score) = (object.id, 1.0);
+                candidates.add(Candidate { object, score });
+            }
+        }
+        let left_out = Description::of(*except);
+        match candidates.count() {
+            1 => Ok(()),
+            0 => {
+                let threshold = within.model.header.thresholds.match_score;
+                Err(within.no_such_object(&left_out, None, threshold))
+            }
+            _ => Err(within.ambiguous(&left_out, candidates)),
+        }
     }
 
     /// How clearly an object is in the relation to the anchor, which never is, or to the table; `None`
@@ -369,7 +395,10 @@ impl Resolver {
                 });
             }
         }
-        if candidates.count() > 1 || !is_clear {
+        let judged = self.judged.get(usize::from(best.index));
+        let may_be_excepted =
+            sought.except().is_some() && judged.is_none_or(|judged| judged.fit == Fit::Maybe);
+        if candidates.count() > 1 || !is_clear || may_be_excepted {
             return Err(within.ambiguous(sought, candidates));
         }
         let related = self.relation(sought, within, usize::from(best.index))?;
@@ -387,7 +416,52 @@ impl Resolver {
     }
 }
 
+/// How well an object fits what is asked of it, as far as it is seen: of what is seen in part only, its width tells the
+/// size; and whether it has that.
+fn seen(filtered: &Filtered, sight: &Sight, model: &Model<'_>) -> (f32, Option<Fit>) {
+    let size = filtered.size.filter(|_| sight.is_partial);
+    let has_size = size.map(|size| sight.has_size(size, model));
+    let score = match has_size {
+        Some(Fit::No) => -1.0,
+        Some(Fit::Yes) => filtered.besides_size,
+        Some(Fit::Maybe) | None => filtered.score,
+    };
+    (score, has_size)
+}
+
+/// Whether an object is what is asked of it; of what is seen in part only, that may be open.
+///
+/// * `seems_to`: whether it is by its score
+/// * `is_open`: whether every object is
+fn fits(
+    filtered: &Filtered,
+    sight: &Sight,
+    has_size: Option<Fit>,
+    seems_to: bool,
+    is_open: bool,
+) -> Fit {
+    let is_all_told = sight.is_color_told && filtered.are_colors && has_size != Some(Fit::Maybe);
+    let is_clear = !sight.is_partial
+        || is_open
+        || has_size == Some(Fit::No)
+        || (sight.is_color_told && filtered.is_other_color)
+        || (seems_to && is_all_told);
+    match (is_clear, seems_to) {
+        (true, true) => Fit::Yes,
+        (true, false) => Fit::No,
+        (false, _) => Fit::Maybe,
+    }
+}
+
 impl Within<'_> {
+    /// How an object passes filters.
+    fn filtered(&self, object: &ObservedObject, filters: &Filters) -> Result<Filtered, Refusal> {
+        filter(self.model, &object.embedding, filters).map_err(|error| match error {
+            ScoreError::UnknownConcept => Refusal::InvalidModel,
+            ScoreError::NotFinite => self.not_finite(),
+        })
+    }
+
     /// The centre of an object: world frame, metres.
     ///
     /// * `location`: as the training's camera would see it

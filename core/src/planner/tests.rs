@@ -1,5 +1,6 @@
 mod compounds;
 mod distances;
+mod exceptions;
 mod extremes;
 mod ordinals;
 mod relations;

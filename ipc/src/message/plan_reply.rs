@@ -19,7 +19,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1024;
 
 message! {
     /// An event in the execution of a `PlanRequest`.
-    "nsrm.v1.PlanReply.68b12293f6f4fb08"
+    "nsrm.v1.PlanReply.a2af30d8382126dc"
     pub struct PlanReply {
         /// The client.
         pub client: u64,

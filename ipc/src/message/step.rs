@@ -29,7 +29,7 @@ message! {
 
 message! {
     /// A step as parsed and, if it is still to be done, as grounded.
-    "nsrm.v1.StepMessage.e45d9d560755ab3a"
+    "nsrm.v1.StepMessage.cf0090730a3b4daa"
     pub struct StepMessage {
         /// Index of the action in the model.
         pub action: u32,
@@ -39,6 +39,12 @@ message! {
         pub object: [u8; MAX_FILTERS],
         /// Which of several such objects is moved, as in a relation.
         pub object_which: u32,
+        /// How many concepts describe objects that are not moved though all else fits; 0 if none is left out.
+        pub object_except_count: u32,
+        /// Those concepts.
+        pub object_except: [u8; MAX_FILTERS],
+        /// Whether a single such object is left out, 0, or any number, as which of several.
+        pub object_except_which: u32,
         /// How many relations the description of the object to move has.
         pub object_relation_count: u32,
         /// Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -50,6 +56,12 @@ message! {
         pub reference: [u8; MAX_FILTERS],
         /// Which of several such objects is the reference, as in a relation.
         pub reference_which: u32,
+        /// How many concepts describe objects that are not the reference though all else fits.
+        pub reference_except_count: u32,
+        /// Those concepts.
+        pub reference_except: [u8; MAX_FILTERS],
+        /// Whether a single such object is left out, 0, or any number.
+        pub reference_except_which: u32,
         /// How many relations the description of the reference has.
         pub reference_relation_count: u32,
         /// Those relations.
@@ -113,11 +125,17 @@ impl StepMessage {
         object_count: 0,
         object: [0; MAX_FILTERS],
         object_which: 0,
+        object_except_count: 0,
+        object_except: [0; MAX_FILTERS],
+        object_except_which: 0,
         object_relation_count: 0,
         object_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         reference_count: 0,
         reference: [0; MAX_FILTERS],
         reference_which: 0,
+        reference_except_count: 0,
+        reference_except: [0; MAX_FILTERS],
+        reference_except_which: 0,
         reference_relation_count: 0,
         reference_relations: [RelationMessage::EMPTY; MAX_RELATIONS],
         distance_mm: 0,
@@ -133,25 +151,33 @@ impl StepMessage {
 
     /// A step of a program, not grounded.
     pub(super) fn understood(step: &Step) -> Self {
-        let (object_count, object) = concepts(step.object.filters());
-        let (object_relation_count, object_relations) = relations(&step.object);
-        let (reference_count, reference) = concepts(step.reference.filters());
-        let (reference_relation_count, reference_relations) = relations(&step.reference);
         Self {
             action: step.action.into(),
-            object_count,
-            object,
-            object_which: which(step.object.filters()),
-            object_relation_count,
-            object_relations,
-            reference_count,
-            reference,
-            reference_which: which(step.reference.filters()),
-            reference_relation_count,
-            reference_relations,
             distance_mm: step.distance_mm.map_or(0, |mm| mm.get().into()),
-            ..Self::EMPTY
+            ..Self::about(&step.object, &step.reference)
         }
+    }
+
+    /// A step about these, and nothing else.
+    fn about(object: &Description, reference: &Description) -> Self {
+        let mut step = Self::EMPTY;
+        (step.object_count, step.object, step.object_which) = told(object.filters());
+        let except = object.except().copied().unwrap_or_default();
+        (
+            step.object_except_count,
+            step.object_except,
+            step.object_except_which,
+        ) = told(&except);
+        (step.object_relation_count, step.object_relations) = relations(object);
+        (step.reference_count, step.reference, step.reference_which) = told(reference.filters());
+        let except = reference.except().copied().unwrap_or_default();
+        (
+            step.reference_except_count,
+            step.reference_except,
+            step.reference_except_which,
+        ) = told(&except);
+        (step.reference_relation_count, step.reference_relations) = relations(reference);
+        step
     }
 
     /// The same step, grounded.
@@ -180,20 +206,30 @@ impl StepMessage {
 
     /// The description of one of the arguments, in a step that has been checked.
     pub fn description(&self, argument: Argument) -> Description {
-        let (filters, relation_count, relations) = match argument {
+        let (filters, except, relation_count, relations) = match argument {
             Argument::Reference => (
                 filters(self.reference_count, &self.reference, self.reference_which),
+                filters(
+                    self.reference_except_count,
+                    &self.reference_except,
+                    self.reference_except_which,
+                ),
                 self.reference_relation_count,
                 &self.reference_relations,
             ),
             // There are these two.
             _ => (
                 filters(self.object_count, &self.object, self.object_which),
+                filters(
+                    self.object_except_count,
+                    &self.object_except,
+                    self.object_except_which,
+                ),
                 self.object_relation_count,
                 &self.object_relations,
             ),
         };
-        let mut description = Description::of(filters);
+        let mut description = Description::of(filters).excepting(except);
         for relation in relations.iter().take(relation_count as usize) {
             // As many places; other kinds were refused.
             let _ = description.relate(Relation {
@@ -211,13 +247,23 @@ impl StepMessage {
 
     /// Whether a received step is valid.
     pub(super) fn makes_sense(&self) -> bool {
-        let counts = [self.object_count, self.reference_count];
+        let counts = [
+            self.object_count,
+            self.reference_count,
+            self.object_except_count,
+            self.reference_except_count,
+        ];
         let relation_counts = [self.object_relation_count, self.reference_relation_count];
         let mut relations = self
             .object_relations
             .iter()
             .chain(&self.reference_relations);
-        let which = [self.object_which, self.reference_which];
+        let which = [
+            self.object_which,
+            self.reference_which,
+            self.object_except_which,
+            self.reference_except_which,
+        ];
         let described = counts.iter().all(|count| *count <= MAX_FILTERS as u32)
             && which.into_iter().all(is_which)
             && relation_counts
@@ -236,21 +282,22 @@ impl StepMessage {
     }
 }
 
-/// The number of concepts of filters, and the concepts.
-fn concepts(filters: &Filters) -> (u32, [u8; MAX_FILTERS]) {
+/// The number of concepts of filters, the concepts, and which of the objects that fit.
+fn told(filters: &Filters) -> (u32, [u8; MAX_FILTERS], u32) {
     let mut places = [0; MAX_FILTERS];
     for (place, &concept) in places.iter_mut().zip(filters.concepts()) {
         *place = concept;
     }
+    let which = filters.choice().map_or(0, Property::which_number);
     // At most MAX_FILTERS.
-    (filters.concepts().len() as u32, places)
+    (filters.concepts().len() as u32, places, which)
 }
 
 /// The number of relations of a description, and the relations.
 fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS]) {
     let mut places = [RelationMessage::EMPTY; MAX_RELATIONS];
     for (place, relation) in places.iter_mut().zip(description.relations()) {
-        let (count, concepts) = concepts(&relation.to);
+        let (count, concepts, which) = told(&relation.to);
         let (kind, action) = match relation.kind {
             RelationKind::Action(action) => (0, action.into()),
             RelationKind::Nearest => (1, 0),
@@ -261,16 +308,11 @@ fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS
             action,
             count,
             concepts,
-            which: which(&relation.to),
+            which,
         };
     }
     // At most MAX_RELATIONS.
     (description.relations().len() as u32, places)
-}
-
-/// Which of the objects that fit, as a number.
-fn which(filters: &Filters) -> u32 {
-    filters.choice().map_or(0, Property::which_number)
 }
 
 /// Whether a received number is 0 or says which of the objects that fit.
@@ -330,18 +372,12 @@ mod tests {
             (reference, Description::new()),
             (Description::of(to), object),
             (Description::of(all), reference),
-        ] {
-            let mut message = StepMessage::EMPTY;
-            let (object_count, own) = concepts(object.filters());
-            (message.object_count, message.object) = (object_count, own);
-            message.object_which = which(object.filters());
-            (message.object_relation_count, message.object_relations) = relations(&object);
-            (message.reference_count, message.reference) = concepts(reference.filters());
-            message.reference_which = which(reference.filters());
             (
-                message.reference_relation_count,
-                message.reference_relations,
-            ) = relations(&reference);
+                Description::of(all).excepting(to),
+                reference.excepting(of(&[1, 6])),
+            ),
+        ] {
+            let message = StepMessage::about(&object, &reference);
             assert!(message.makes_sense());
             assert_eq!(message.description(Argument::Object), object);
             assert_eq!(message.description(Argument::Reference), reference);
@@ -350,8 +386,10 @@ mod tests {
 
     #[test]
     fn what_no_step_has_is_refused() {
-        let cases: [fn(&mut StepMessage); 9] = [
+        let cases: [fn(&mut StepMessage); 11] = [
             |step| step.distance_mm = 65_536,
+            |step| step.object_except_count = 5,
+            |step| step.reference_except_which = 511,
             |step| step.object_which = 259,
             |step| step.reference_relations[1].which = u32::MAX,
             |step| step.object_relation_count = 3,

@@ -29,13 +29,13 @@ class RepairSentences(Draws):
         action = self._choose(self._domain.actions)
         relation = self._choose(action.phrases).split()
         is_object = self._rng.random() < 0.5
+        wrong, right = self._corrected()
         if self._rng.random() < 0.5:
             between = self._choose(self._repairs.corrections)
-            wrong, right = self._corrected()
             first, second = wrong, right
         else:
             between = self._choose(self._repairs.exclusions)
-            first, second = right, _ = self._values(), self._values()
+            first, second = right, wrong
         article = [] if self._rng.random() < BARE else ["the"]
         # Which of two descriptions is taken back is only known if the relation is said again.
         again = [] if is_object else relation

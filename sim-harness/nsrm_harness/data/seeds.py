@@ -61,6 +61,7 @@ STREAMS = {
     "distances": 95,
     "rephrased": 96,
     "shifts": 97,
+    "exceptions": 98,
 }
 
 

@@ -42,16 +42,16 @@ def several_programs(
     untrue: list[Several] = []
     for reference, own in enumerate(values):
         for kind in kinds_of(own):
-            if _fitting(values, kind) != [reference]:
+            if fitting(values, kind) != [reference]:
                 continue
-            for described, moved in _described(values, reference):
+            for described, moved in several_described(values, reference):
                 step = step_of(domain.actions[0].name, described, Described(kind, ()))
                 ids = tuple(block + 1 for block in moved)
                 if (described.which == BOTH and len(moved) != BOTH_COUNT) or not moved:
                     untrue.append(Several((step,), (), reference + 1))
                 elif 1 < len(moved) <= MOST_MOVED:
                     true.append(Several((step,), ids, reference + 1))
-    return _drawn(domain, true, rng, count), _drawn(domain, untrue, rng, count)
+    return drawn(domain, true, rng, count), drawn(domain, untrue, rng, count)
 
 
 def has_stack(truth: Truth) -> bool:
@@ -60,22 +60,22 @@ def has_stack(truth: Truth) -> bool:
     return any(z > edges[2] for z, edges in zip(heights, truth.edges_m, strict=True))
 
 
-def _described(
+def several_described(
     values: list[tuple[str, ...]], reference: int
 ) -> Iterator[tuple[Described, list[int]]]:
     """Descriptions of several blocks, and those other than the reference that fit."""
     kinds = sorted({kind for own in values for kind in kinds_of(own)})
     for kind in kinds:
-        moved = [at for at in _fitting(values, kind) if at != reference]
+        moved = [at for at in fitting(values, kind) if at != reference]
         for which in (ALL, BOTH):
             yield Described(kind, (), which), moved
 
 
-def _fitting(values: list[tuple[str, ...]], kind: tuple[str, ...]) -> list[int]:
+def fitting(values: list[tuple[str, ...]], kind: tuple[str, ...]) -> list[int]:
     return [at for at, own in enumerate(values) if set(kind) <= set(own)]
 
 
-def _drawn(
+def drawn(
     domain: Domain, every: list[Several], rng: np.random.Generator, count: int
 ) -> list[Several]:
     """So many of them, each with any action."""

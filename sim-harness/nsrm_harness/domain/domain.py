@@ -26,7 +26,14 @@ from nsrm_harness.domain.compounds import Compound, Compounds
 from nsrm_harness.domain.distances import Distances
 from nsrm_harness.domain.ordinals import Ordinals
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE
-from nsrm_harness.domain.rewriting import Apart, Arrangements, Repairs, SequenceWords, Table
+from nsrm_harness.domain.rewriting import (
+    Apart,
+    Arrangements,
+    Exceptions,
+    Repairs,
+    SequenceWords,
+    Table,
+)
 from nsrm_harness.domain.wording import (
     Alternatives,
     Commands,
@@ -275,6 +282,8 @@ class Domain:
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: Phrases that are read as others.
     rephrasing: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
+    #: How objects are left out of a description.
+    exceptions: Annotated[Exceptions | None, Field(default=None), BeforeValidator(_not_null)]
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]
     #: In which order steps are carried out that are said in another one.
     sequence: Annotated[SequenceWords | None, Field(default=None), BeforeValidator(_not_null)]

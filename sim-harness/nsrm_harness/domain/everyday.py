@@ -32,6 +32,7 @@ from nsrm_harness.domain.ordinals import ordinals_of
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, parse
 from nsrm_harness.domain.rewriting import (
+    exceptions_of,
     expanded,
     repairs_of,
     rephrasing_of,
@@ -49,8 +50,8 @@ _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
-    "synonyms", "extremes", "pronouns", "several", "rephrasing", "repairs", "sequence",
-    "distances", "apart", "ordinals", "arrangements", "table", "compounds",
+    "synonyms", "extremes", "pronouns", "several", "rephrasing", "exceptions", "repairs",
+    "sequence", "distances", "apart", "ordinals", "arrangements", "table", "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -62,8 +63,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document, placing = _document(domain), words.pop("placing", [])
     (
-        synonyms, extremes, pronouns, several, rephrasing, repairs, sequence, distances, apart,
-        ordinals, arrangements, table, compounds,
+        synonyms, extremes, pronouns, several, rephrasing, exceptions, repairs, sequence, distances,
+        apart, ordinals, arrangements, table, compounds,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -85,6 +86,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["several"] = several
     if rephrasing := rephrasing_of(rephrasing, str(path)):
         document["rephrasing"] = rephrasing
+    if exceptions := exceptions_of(exceptions, str(path)):
+        document["exceptions"] = exceptions
     if repairs := repairs_of(repairs, str(path)):
         document["repairs"] = repairs
     if sequence := sequence_of(sequence, str(path)):

@@ -38,6 +38,16 @@ class Relation:
 
 
 @dataclass(frozen=True)
+class Excepted:
+    """``Except(Unique(Filter(… Scene())), …)``: objects that are not meant though all else fits."""
+
+    #: Names of the concepts that describe them.
+    values: tuple[str, ...]
+    #: `ALL` for any number of them, None for a single one.
+    which: str | None = None
+
+
+@dataclass(frozen=True)
 class Step:
     """``Action(action, Unique(Filter(… Scene())), Unique(Filter(… Scene())))``.
 
@@ -62,13 +72,23 @@ class Step:
     #: The distance between the faces of the two, if the sentence names one; from `ITSELF`, that by
     #: which the object is moved.
     distance_mm: int | None = None
+    #: What is left out of the objects to be moved, and of the reference.
+    object_except: Excepted | None = None
+    reference_except: Excepted | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The step as in ``{"steps": [...]}`` of the command line."""
         content = {
             "action": self.action,
-            "object": _as_json(self.object, self.object_which, self.object_relations),
-            "reference": _as_json(self.reference, self.reference_which, self.reference_relations),
+            "object": _as_json(
+                self.object, self.object_which, self.object_relations, self.object_except
+            ),
+            "reference": _as_json(
+                self.reference,
+                self.reference_which,
+                self.reference_relations,
+                self.reference_except,
+            ),
         }
         if self.distance_mm is not None:
             content["distance_mm"] = self.distance_mm
@@ -79,6 +99,7 @@ class Step:
         """The inverse of :meth:`as_json`; other keys are ignored."""
         moved, moved_which, moved_relations = _from_json(content["object"])
         reference, reference_which, reference_relations = _from_json(content["reference"])
+        left_out = (_excepted(content[key]) for key in ("object", "reference"))
         return Step(
             content["action"],
             moved,
@@ -88,18 +109,26 @@ class Step:
             moved_which,
             reference_which,
             content.get("distance_mm"),
+            *left_out,
         )
 
 
 Program = tuple[Step, ...]
 
 
-def _as_json(concepts: Sequence[str], which: str | None, relations: Sequence[Relation]) -> Any:
-    if which is None and not relations:
+def _as_json(
+    concepts: Sequence[str],
+    which: str | None,
+    relations: Sequence[Relation],
+    left_out: Excepted | None = None,
+) -> Any:
+    if which is None and left_out is None and not relations:
         return list(concepts)
     content: dict[str, Any] = {"concepts": list(concepts)}
     if which is not None:
         content["which"] = which
+    if left_out is not None:
+        content["except"] = _as_json(left_out.values, left_out.which, ())
     if relations:
         first, *others = relations
         to = _as_json(first.to, first.which, others)
@@ -117,14 +146,27 @@ def _from_json(content: Any) -> tuple[tuple[str, ...], str | None, tuple[Relatio
     return concepts, which, (Relation(relation["name"], to, to_which), *others)
 
 
+def _excepted(content: Any) -> Excepted | None:
+    left_out = content.get("except") if isinstance(content, Mapping) else None
+    if left_out is None:
+        return None
+    values, which, _ = _from_json(left_out)
+    return Excepted(values, which)
+
+
 def canonical(steps: Iterable[Step]) -> str:
     """A text that is equal for programs that differ only in the order of filters."""
     return json_text(
         [
             [
                 step.action,
-                _sorted(step.object, step.object_which, step.object_relations),
-                _sorted(step.reference, step.reference_which, step.reference_relations),
+                _sorted(step.object, step.object_which, step.object_relations, step.object_except),
+                _sorted(
+                    step.reference,
+                    step.reference_which,
+                    step.reference_relations,
+                    step.reference_except,
+                ),
                 *([] if step.distance_mm is None else [step.distance_mm]),
             ]
             for step in steps
@@ -134,9 +176,15 @@ def canonical(steps: Iterable[Step]) -> str:
     )
 
 
-def _sorted(concepts: Sequence[str], which: str | None, relations: Sequence[Relation]) -> Any:
+def _sorted(
+    concepts: Sequence[str],
+    which: str | None,
+    relations: Sequence[Relation],
+    left_out: Excepted | None,
+) -> Any:
     return _as_json(
         sorted(concepts),
         which,
         [replace(relation, to=tuple(sorted(relation.to))) for relation in relations],
+        left_out and replace(left_out, values=tuple(sorted(left_out.values))),
     )

@@ -112,7 +112,7 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _rephrasing, _repairs, _sequence, _distances,
+        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _repairs, _sequence, _distances,
         _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
@@ -325,6 +325,13 @@ def _rephrasing(domain: Domain) -> Faults:
         for word in text.split(" "):
             if word not in known:
                 yield "rephrasing", f"{word!r} is not a word of the grammar"
+
+
+def _exceptions(domain: Domain) -> Faults:
+    """Objects are left out in words."""
+    said = domain.exceptions
+    if said is not None and not all((*said.phrases, *said.negations)):
+        yield "exceptions", "expected words: remove the empty string"
 
 
 def _repairs(domain: Domain) -> Faults:

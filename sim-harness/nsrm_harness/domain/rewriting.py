@@ -1,5 +1,5 @@
-"""What the core rewrites before it reads a sentence: phrases that it reads as others, what is taken
-back, which it leaves out, steps in another order than that in which they are carried out, values
+"""What the core rewrites before it reads a sentence: phrases that it reads as others, what is left out
+of a description, which it keeps apart, what is taken back, which it leaves out, steps in another order than that in which they are carried out, values
 that stand apart, which it joins, the table where it is meant and not named, and towers and rows,
 which it reads as their steps.
 
@@ -18,6 +18,18 @@ from nsrm_harness.common.toml_file import NO_OTHER_KEYS
 from nsrm_harness.domain.wording import ConceptWords, Identifier, Phrase
 
 _RULE = re.compile(r"\{([a-z_]+)\}")
+
+
+@dataclass(frozen=True)
+class Exceptions:
+    """Words by which objects are left out of a description."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Before a description of objects that are left out: "except".
+    phrases: tuple[Phrase, ...]
+    #: Before values that an object does not have: "that is not".
+    negations: tuple[Phrase, ...]
 
 
 @dataclass(frozen=True)
@@ -163,10 +175,20 @@ def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, 
     return {**table, "sides": sides} if is_place else None
 
 
+def exceptions_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
+    """The exceptions of a wording file with all their texts; nothing if there are none."""
+    return _texts_of(table, ("phrases", "negations"), (source, "exceptions"))
+
+
 def repairs_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
     """The repairs of a wording file with all their texts; nothing if there are none."""
-    keys = ("corrections", "exclusions")
-    texts = {key: every_text_of(table, key, (source, "repairs")) for key in keys}
+    return _texts_of(table, ("corrections", "exclusions"), (source, "repairs"))
+
+
+def _texts_of(
+    table: Mapping[str, Any], keys: Iterable[str], place: tuple[str, str]
+) -> dict[str, Any] | None:
+    texts = {key: every_text_of(table, key, place) for key in keys}
     return texts if any(texts.values()) else None
 
 

@@ -11,6 +11,7 @@ A sentence is right if its program is the one that was meant, whatever the scene
 * the same programs with several objects that are moved in one of their steps, "all red blocks", and
   with several references, which nobody can put anything on;
 * the episodes' programs with values that stand apart, and with two of one type (`data.apart`);
+* what is left out of a description, and such that leaves nothing out (`data.exceptions`);
 * what is taken back or ruled out, and such of which nobody can tell what is meant (`data.repairs`);
 * two steps in another order than that in which they are carried out, and such that have none
   (`data.sequences`);
@@ -42,6 +43,7 @@ from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
 from nsrm_harness.data.compounds import CompoundSentences
 from nsrm_harness.data.distances import DistanceSentences
+from nsrm_harness.data.exceptions import ExceptionSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
 from nsrm_harness.data.mixed import MixedPrograms
@@ -105,6 +107,8 @@ SEQUENCE_COUNT = 2000
 """How many sentences of two steps in another order, and how many without any."""
 REPHRASED_COUNT = 2000
 """How many sentences in other phrases, and how many in which these order nothing."""
+EXCEPTION_COUNT = 2000
+"""How many sentences with exceptions, and how many that have none."""
 DISTANCE_COUNT = 2000
 """How many sentences with distances, and how many that mean none."""
 ORDINAL_COUNT = 2000
@@ -165,6 +169,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_apart(domain, programs, seed)
     if domain.rephrasing:
         sets |= say_rephrased(domain, seed)
+    if domain.exceptions is not None:
+        sets |= say_exceptions(domain, seed)
     if domain.repairs is not None:
         sets |= say_repairs(domain, seed)
     if domain.sequence is not None:
@@ -229,6 +235,16 @@ def say_rephrased(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "other phrases": [sentences.draw() for _ in range(REPHRASED_COUNT)],
         "no orders": [(sentences.near_miss(), None) for _ in range(REPHRASED_COUNT)],
+    }
+
+
+def say_exceptions(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`EXCEPTION_COUNT` sentences that leave something out, and as many that leave nothing out that is
+    meant, by the name of their set."""
+    sentences = ExceptionSentences(domain, generator(seed, "exceptions", 0))
+    return {
+        "exceptions": [sentences.draw() for _ in range(EXCEPTION_COUNT)],
+        "no exceptions": [(sentences.near_miss(), None) for _ in range(EXCEPTION_COUNT)],
     }
 
 

@@ -20,10 +20,11 @@ import nsrm
 import numpy as np
 
 from nsrm_harness.data.distances import DistanceSentences
+from nsrm_harness.data.exceptions import ExceptionSentences, excepted_programs
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth, Truth
 from nsrm_harness.data.seeds import generator
-from nsrm_harness.data.several import has_stack, several_programs
+from nsrm_harness.data.several import Several, has_stack, several_programs
 from nsrm_harness.data.shifts import ShiftSentences
 from nsrm_harness.data.tell import (
     counted_programs,
@@ -43,6 +44,9 @@ from nsrm_harness.evaluation.observed import chunks, objects_of, observe_episode
 from nsrm_harness.evaluation.on_table import PutOnTable, put_on_table
 
 Programs = Callable[[Domain, Truth, np.random.Generator, int], list[Program]]
+SeveralPrograms = Callable[
+    [Domain, Truth, np.random.Generator, int], tuple[list[Several], list[Several]]
+]
 """So many random programs of an episode."""
 TIMES = 3
 """Number of sentences of each kind about an episode."""
@@ -119,7 +123,10 @@ def measure_relations(
             told, misleading = _programs(domain, judge, seed, counted_programs, misleading_counts)
             rows += in_scenes("ordinals", told, misleading)
         if domain.several is not None:
-            for title, chosen in _several(domain, judge, seed).items():
+            moved = _several(domain, judge, seed, "several", several_programs)
+            if domain.exceptions is not None:
+                moved |= _several(domain, judge, seed, "exceptions", excepted_programs)
+            for title, chosen in moved.items():
                 words = _words(domain, chosen, seed)
                 rows.append(_grounded(model, demonstrations, title, chosen, words, quiet))
         if domain.table is not None:
@@ -132,17 +139,19 @@ def measure_relations(
         return rows
 
 
-def _several(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[Said]]:
+def _several(
+    domain: Domain, judge: GroundTruth, seed: int, name: str, programs: SeveralPrograms
+) -> dict[str, list[Said]]:
     """Sentences that move several blocks of the scenes, by the name of their set."""
     sets: dict[str, list[Said]] = {
-        "several in scenes": [],
-        "several in scenes with stacks": [],
-        "several of another number": [],
+        f"{name} in scenes": [],
+        f"{name} in scenes with stacks": [],
+        f"{name} of another number": [],
     }
     told, hidden, misleading = sets.values()
     for index in range(len(judge)):
-        rng, truth = generator(seed, "several", index), judge.truth(index)
-        true, untrue = several_programs(domain, truth, rng, TIMES)
+        rng, truth = generator(seed, name, index), judge.truth(index)
+        true, untrue = programs(domain, truth, rng, TIMES)
         # What carries another block is hidden in part, and so is what it may look like.
         chosen = hidden if has_stack(truth) else told
         chosen += [Said(index, each.program, (each.moved, each.reference)) for each in true]
@@ -176,6 +185,8 @@ def _words(domain: Domain, told: Sequence[Sentence], seed: int) -> list[str]:
 
 def _said(domain: Domain, program: Program, rng: np.random.Generator) -> str:
     (first, *_) = program
+    if first.object_except is not None:
+        return ExceptionSentences(domain, rng).of_step(first)
     if first.reference_which == ITSELF:
         return ShiftSentences(domain, rng).of_step(first)
     if first.distance_mm is not None:

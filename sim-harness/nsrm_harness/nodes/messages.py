@@ -458,6 +458,12 @@ class StepMessage(ctypes.Structure):
         ("object", ctypes.c_uint8 * 4),
         # Which of several such objects is moved, as in a relation.
         ("object_which", ctypes.c_uint32),
+        # How many concepts describe objects that are not moved though all else fits; 0 if none is left out.
+        ("object_except_count", ctypes.c_uint32),
+        # Those concepts.
+        ("object_except", ctypes.c_uint8 * 4),
+        # Whether a single such object is left out, 0, or any number, as which of several.
+        ("object_except_which", ctypes.c_uint32),
         # How many relations the description of the object to move has.
         ("object_relation_count", ctypes.c_uint32),
         # Those relations: its own to another object, then that one's to a third; all 0 after the
@@ -469,6 +475,12 @@ class StepMessage(ctypes.Structure):
         ("reference", ctypes.c_uint8 * 4),
         # Which of several such objects is the reference, as in a relation.
         ("reference_which", ctypes.c_uint32),
+        # How many concepts describe objects that are not the reference though all else fits.
+        ("reference_except_count", ctypes.c_uint32),
+        # Those concepts.
+        ("reference_except", ctypes.c_uint8 * 4),
+        # Whether a single such object is left out, 0, or any number.
+        ("reference_except_which", ctypes.c_uint32),
         # How many relations the description of the reference has.
         ("reference_relation_count", ctypes.c_uint32),
         # Those relations.
@@ -497,36 +509,42 @@ class StepMessage(ctypes.Structure):
         # metres.
         ("location", ctypes.c_float * 5),
     ]
-    LAYOUT: ClassVar = (216, 4)
+    LAYOUT: ClassVar = (240, 4)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "action": 0,
         "object_count": 4,
         "object": 8,
         "object_which": 12,
-        "object_relation_count": 16,
-        "object_relations": 20,
-        "reference_count": 60,
-        "reference": 64,
-        "reference_which": 68,
-        "reference_relation_count": 72,
-        "reference_relations": 76,
-        "distance_mm": 116,
-        "object_id": 120,
-        "reference_id": 124,
-        "object_score": 128,
-        "reference_score": 132,
-        "confidence": 136,
-        "position": 168,
-        "orientation": 180,
-        "location": 196,
+        "object_except_count": 16,
+        "object_except": 20,
+        "object_except_which": 24,
+        "object_relation_count": 28,
+        "object_relations": 32,
+        "reference_count": 72,
+        "reference": 76,
+        "reference_which": 80,
+        "reference_except_count": 84,
+        "reference_except": 88,
+        "reference_except_which": 92,
+        "reference_relation_count": 96,
+        "reference_relations": 100,
+        "distance_mm": 140,
+        "object_id": 144,
+        "reference_id": 148,
+        "object_score": 152,
+        "reference_score": 156,
+        "confidence": 160,
+        "position": 192,
+        "orientation": 204,
+        "location": 220,
     }
     """Bytes before each field, as in Rust."""
 
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.StepMessage.e45d9d560755ab3a"
+        return "nsrm.v1.StepMessage.cf0090730a3b4daa"
 
 
 class PlanReply(ctypes.Structure):
@@ -561,7 +579,7 @@ class PlanReply(ctypes.Structure):
         # The program's steps with `Status::Planned`.
         ("steps", StepMessage * 8),
     ]
-    LAYOUT: ClassVar = (2808, 8)
+    LAYOUT: ClassVar = (3000, 8)
     """Size and alignment in bytes, as in Rust."""
     OFFSETS: ClassVar = {
         "client": 0,
@@ -583,7 +601,7 @@ class PlanReply(ctypes.Structure):
     @staticmethod
     def type_name() -> str:
         """The type name that iceoryx2 compares between peers."""
-        return "nsrm.v1.PlanReply.68b12293f6f4fb08"
+        return "nsrm.v1.PlanReply.a2af30d8382126dc"
 
 
 class SubGoal(ctypes.Structure):

@@ -12,6 +12,15 @@ use crate::error::ModelError;
 /// Phrases that are read as others; without them, all words are read as they stand.
 pub(super) type Rephrasing = BTreeMap<String, String>;
 
+/// Words by which objects are left out of a description; without them, none is.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Exceptions {
+    /// Before a description of objects that are left out.
+    pub phrases: BTreeSet<String>,
+    /// Before values that an object does not have.
+    pub negations: BTreeSet<String>,
+}
+
 /// Words by which something is taken back; without them, nothing is.
 #[derive(Debug, Clone, Default, Deserialize)]
 pub struct Repairs {
@@ -136,13 +145,15 @@ pub struct Table {
 }
 
 impl Domain {
-    /// Checks that what is taken back is said in words that can be read.
+    /// Checks that what is left out, and what is taken back, is said in words that can be read.
     pub(super) fn check_repairs(&self) -> Result<(), ModelError> {
+        let Exceptions { phrases, negations } = &self.exceptions;
         let Repairs {
             corrections,
             exclusions,
         } = &self.repairs;
-        let said = corrections.iter().chain(exclusions);
+        let excepted = phrases.iter().chain(negations);
+        let said = excepted.chain(corrections).chain(exclusions);
         let mut words = said.flat_map(|text| text.split(' '));
         match words.find(|word| !readable(word)) {
             Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),

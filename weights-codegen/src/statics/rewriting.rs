@@ -29,6 +29,16 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
             ),
         ),
         (
+            "exceptions",
+            Node::record(
+                "Exceptions",
+                [
+                    ("phrases", Node::Reference("EXCEPTIONS_PHRASES")),
+                    ("negations", Node::Reference("EXCEPTIONS_NEGATIONS")),
+                ],
+            ),
+        ),
+        (
             "repairs",
             Node::record(
                 "Repairs",
@@ -151,6 +161,18 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "rephrasing.first_words",
             "&str",
             model.rephrasing.first_words,
+        ),
+        table(
+            "EXCEPTIONS_PHRASES",
+            "exceptions.phrases",
+            "&str",
+            model.exceptions.phrases,
+        ),
+        table(
+            "EXCEPTIONS_NEGATIONS",
+            "exceptions.negations",
+            "&str",
+            model.exceptions.negations,
         ),
         table(
             "REPAIRS_CORRECTIONS",

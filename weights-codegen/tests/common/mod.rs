@@ -107,6 +107,7 @@ pub(crate) fn domain() -> Value {
             "plurals": {"jars": "jar"},
         },
         "rephrasing": {"is supposed to": "then", "do so": ""},
+        "exceptions": {"phrases": ["except for", "except"], "negations": ["that is not"]},
         "repairs": {"corrections": ["oh no", "no"], "exclusions": ["not"]},
         "sequence": {
             "later": {"before you": "", "before shifting": "shift"},

@@ -31,6 +31,8 @@ fn arrangements_that_mean_nothing() {
         ],
     );
     let unreadable: [SpoilDomain; 8] = [
+        |domain| domain["exceptions"]["phrases"] = json!(["Except"]),
+        |domain| domain["exceptions"]["negations"] = json!([""]),
         |domain| domain["repairs"]["corrections"] = json!(["No"]),
         |domain| domain["repairs"]["exclusions"] = json!([""]),
         |domain| domain["apart"]["between"] = json!([""]),

@@ -125,6 +125,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             self.unclear.get_or_insert((step as u8, pronoun.span));
         }
         let chosen = self.compound_action(step, action.index, reference.index)?;
+        self.check_exceptions(step, [&description, &reference_description])?;
         let distance_mm = self.distance_mm(step, chosen, reference.index)?;
         let is_shift = distance_mm.is_some() && reference_description.relations().is_empty();
         if has_itself(&description) {
@@ -359,7 +360,32 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             span,
             limit: MAX_RELATIONS as u8,
         })?;
+        let mut exceptions = self.reader.exceptions().iter();
+        let exception = exceptions.find(|exception| exception.is_of(first));
+        let except = exception.map(|exception| exception.filters);
+        let description = description.excepting(except.unwrap_or_default());
         Ok((description, span))
+    }
+
+    /// Refuses a step in which something is left out of anything but its object and its reference.
+    fn check_exceptions(
+        &self,
+        step: usize,
+        descriptions: [&Description; ARGUMENTS],
+    ) -> Result<(), Refusal> {
+        let groups = self.segments.groups(step, self.reader.tokens());
+        let exceptions = self.reader.exceptions().iter();
+        let is_of = |span: Span| exceptions.clone().any(|exception| exception.is_of(span));
+        let mut excepted = groups.filter(|group| is_of(group.span));
+        let meant = descriptions.into_iter();
+        let meant = meant.filter(|description| description.except().is_some());
+        match excepted.clone().nth(meant.count()) {
+            Some(_) => {
+                let group = excepted.next().ok_or(Refusal::InvalidModel)?;
+                Err(self.unclear(step, group.span))
+            }
+            None => Ok(()),
+        }
     }
 }
 

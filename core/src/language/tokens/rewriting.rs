@@ -14,6 +14,10 @@ pub(super) enum Rewriting {
     Rephrasing {
         from: usize,
     },
+    /// For what is left out of descriptions.
+    Exceptions {
+        from: usize,
+    },
     /// For what is taken back or ruled out.
     Repairs {
         from: usize,
@@ -68,7 +72,7 @@ impl Twofold {
 }
 
 impl Reader {
-    /// Does a piece of rewriting: reads phrases as others, leaves out what is taken back, puts steps in order, joins
+    /// Does a piece of rewriting: reads phrases as others, leaves out exceptions and what is taken back, puts steps in order, joins
     /// values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
     /// arrangements and compounds, joins values that stand beside each other, then leaves out distances. False if all
     /// tokens have been looked at, and none is unknown.
@@ -79,6 +83,7 @@ impl Reader {
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
             Rewriting::Rephrasing { from } => self.rephrase(said, from)?,
+            Rewriting::Exceptions { from } => self.leave_exception_out(said, from)?,
             Rewriting::Repairs { from } => self.repair(said, from)?,
             Rewriting::Sequence => self.put_in_order(said)?,
             Rewriting::Apart { from } => self.join(said, from, false)?,
@@ -101,7 +106,7 @@ impl Reader {
         let mut places = from..self.tokens.len();
         let found = places.find_map(|at| said.rephrased(&self.tokens, at));
         self.rewriting = match found {
-            None => Rewriting::Repairs { from: 0 },
+            None => Rewriting::Exceptions { from: 0 },
             Some((words, read_as)) => {
                 let span = span_of(self.tokens.get(words.clone()).unwrap_or_default());
                 let span = span.ok_or(Refusal::InvalidModel)?;
@@ -109,6 +114,31 @@ impl Reader {
                 Rewriting::Rephrasing { from }
             }
         };
+        Ok(())
+    }
+
+    /// Leaves out the next exception, if there is one, and keeps what it says.
+    #[inline(never)]
+    fn leave_exception_out(
+        &mut self,
+        said: PhraseMatcher<'_, '_>,
+        from: usize,
+    ) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        // One of the words that say so is unknown.
+        let found = match self.unknown() {
+            Some(_) => places.find_map(|at| said.exception(&self.tokens, at)),
+            None => None,
+        };
+        self.rewriting = Rewriting::Repairs { from: 0 };
+        // More than there can be steps are refused for their words.
+        if let Some(found) = found
+            && !self.exceptions.is_full()
+        {
+            let (exception, from) = said.leave_exception_out(&mut self.tokens, &found)?;
+            let _ = self.exceptions.push(exception);
+            self.rewriting = Rewriting::Exceptions { from };
+        }
         Ok(())
     }
 

@@ -5,8 +5,8 @@ mod tests;
 
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
-    COMPOSED, Compound, CompoundKind, CountedFrom, Distances, MAX_SIDES, Model, Ordinals, Ranked,
-    Repairs, Rephrasing, Sequence, SequenceText, Table,
+    COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, MAX_SIDES, Model,
+    Ordinals, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table,
 };
 
 impl<'a> Model<'a> {
@@ -72,6 +72,15 @@ impl<'a> Model<'a> {
         let read_as = [standing, order, relation].into_iter().chain(taking);
         match self.first_unknown(read_as) {
             Some(text) => Err(ModelFault::TableWord(text)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_exceptions(&self) -> Result<(), ModelFault<'a>> {
+        let Exceptions { phrases, negations } = self.exceptions;
+        let mut texts = [phrases, negations].into_iter();
+        match texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            Some(text) => Err(ModelFault::ExceptionText(text)),
             None => Ok(()),
         }
     }
@@ -287,6 +296,7 @@ impl<'a> Model<'a> {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
             && self.rephrasing.is_empty()
+            && self.exceptions.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()
             && self.distances.is_empty()
