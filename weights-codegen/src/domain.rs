@@ -112,6 +112,12 @@ pub struct Several {
     pub between: Vec<String>,
     /// Words in the plural, each with its singular: "blocks", "them".
     pub plurals: BTreeMap<String, String>,
+    /// Words for all objects, without a noun: "everything".
+    #[serde(default)]
+    pub alone: Vec<String>,
+    /// Numbers that mean both behind an article: "two".
+    #[serde(default)]
+    pub numbers: Vec<String>,
 }
 
 /// How people say commands: rules whose alternatives contain words and `{rules}`.
@@ -246,12 +252,19 @@ impl Domain {
     /// Each word that says which of several objects is meant, that several are, or that it is the table.
     pub(crate) fn choices(&self) -> impl Iterator<Item = (&str, Property)> + Clone {
         let Several {
-            all, every, both, ..
+            all,
+            every,
+            both,
+            alone,
+            numbers,
+            ..
         } = &self.several;
         let quantifiers = [
             (Quantifier::All, all),
             (Quantifier::All, every),
+            (Quantifier::All, alone),
             (Quantifier::Both, both),
+            (Quantifier::Both, numbers),
         ];
         let quantifiers = quantifiers.into_iter().flat_map(|(quantifier, words)| {
             let property = Property::Quantifier(quantifier);

@@ -120,6 +120,8 @@ mod tests {
         ] {
             assert_eq!(readings(&model, sentence), 2, "{sentence}");
         }
+        model.ordinals.articles = &["the"];
+        assert_eq!(readings(&model, "put red on green put the"), 2);
         model.placing = std::vec![put; 2].leak();
         assert!(model.check().is_err());
     }

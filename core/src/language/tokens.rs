@@ -214,7 +214,8 @@ impl Reader {
         };
         self.rest_from = usize::from(span.end);
         let text = if text == ";" { "," } else { text };
-        let property = find(model.lexicon, text, |entry| entry.text)
+        let named = find(model.lexicon, text, |entry| entry.text);
+        let property = named
             .map(|(_, entry)| entry.property)
             .filter(|property| self.is_said(model, *property, text, words));
         if let Some(property) = property {
@@ -223,6 +224,9 @@ impl Reader {
             if !self.is_between(model, index) {
                 self.add_word(model, words, index, span)?;
             }
+        } else if named.is_some() {
+            // A number, and not how many objects are meant.
+            self.add(TokenKind::Unknown, span)?;
         } else {
             match self.correct(model, text, span) {
                 Ok(KnownWord::Word(index)) => self.add_word(model, words, index, span)?,
@@ -264,10 +268,21 @@ impl Reader {
     }
 
     /// Whether a word of the lexicon is meant as such: "all" in "all the red blocks", and not in "all
-    /// right", if the model has it among its other words, too.
+    /// right", if the model has it among its other words, too; and "two" in "the two red blocks", and not in "two blocks
+    /// to the left".
     fn is_said(&self, model: &Model<'_>, property: Property, text: &str, words: &str) -> bool {
-        if !matches!(property, Property::Quantifier(_)) || word(model, text).is_none() {
+        let is_number = is_number(model, text);
+        let is_other = is_number || word(model, text).is_some();
+        if !matches!(property, Property::Quantifier(_)) || !is_other {
             return true;
+        }
+        if is_number
+            && !self
+                .tokens
+                .last()
+                .is_some_and(|token| is_article(model, token))
+        {
+            return false;
         }
         next_word(words, self.rest_from).is_some_and(|(next, _)| {
             let is_between = |index| model.several.between.contains(&index);
@@ -326,7 +341,7 @@ impl Reader {
     /// A word outside the lexicon. A pronoun behind the descriptions of a whole step may mean what
     /// that one moved, unless another description follows ("that red block", "so that it is"), and as
     /// long as the sentence does not have too many readings. It means that, if both that step and the pronoun's begin
-    /// with words that put something: "put the red block on the blue one, then put it …".
+    /// with words that put something, and it is no article: "put the red block on the blue one, then put it …".
     ///
     /// * `words`: the sentence up to its last word
     fn add_word(
@@ -341,7 +356,11 @@ impl Reader {
             let follows =
                 next_word(words, self.rest_from).is_some_and(|(next, _)| may_describe(model, next));
             let may_be_moved = described.count() >= ARGUMENTS && !follows;
-            if may_be_moved && (self.puts_again(model) || self.choose(2) == Some(1)) {
+            // "That" may stand before a noun.
+            let kind = TokenKind::Word(index);
+            let is_article = is_article(model, &Token { kind, span });
+            let is_moved = may_be_moved && !is_article && self.puts_again(model);
+            if is_moved || (may_be_moved && self.choose(2) == Some(1)) {
                 self.add(TokenKind::Pronoun, span)?;
                 return pronoun
                     .owner
@@ -355,10 +374,13 @@ impl Reader {
     /// ends.
     fn puts_again(&self, model: &Model<'_>) -> bool {
         let puts = |word: u16| model.placing.binary_search(&word).is_ok();
-        let (mut described, mut is_last) = (0, true);
-        for token in self.tokens.iter().rev() {
-            match token.kind {
-                TokenKind::Word(word) if is_last && !puts(word) => return false,
+        let mut kinds = self.tokens.iter().rev().map(|token| token.kind);
+        if !matches!(kinds.next(), Some(TokenKind::Word(word)) if puts(word)) {
+            return false;
+        }
+        let mut described = 0;
+        for kind in kinds {
+            match kind {
                 TokenKind::Word(word) if described == 1 && ends_clause(model, word) => {
                     return false;
                 }
@@ -366,7 +388,6 @@ impl Reader {
                 TokenKind::Group(_) | TokenKind::Pronoun => described += 1,
                 _ => {}
             }
-            is_last = false;
         }
         false
     }
@@ -407,6 +428,20 @@ impl Reader {
     }
 }
 
+/// Whether a word is a number of a distance.
+fn is_number(model: &Model<'_>, text: &str) -> bool {
+    find(model.distances.numbers, text, |number| number.text).is_some()
+}
+
+/// Whether a token is an article.
+fn is_article(model: &Model<'_>, token: &Token) -> bool {
+    let TokenKind::Word(index) = token.kind else {
+        return false;
+    };
+    let word = model.words.get(usize::from(index));
+    word.is_some_and(|word| model.ordinals.articles.contains(&word.text))
+}
+
 /// Whether a clause ends before a word, a verb for instance.
 fn ends_clause(model: &Model<'_>, word: u16) -> bool {
     let word = model.words.get(usize::from(word));
@@ -415,8 +450,10 @@ fn ends_clause(model: &Model<'_>, word: u16) -> bool {
 
 /// Whether a word may describe an object, by itself or with others.
 fn may_describe(model: &Model<'_>, text: &str) -> bool {
-    find(model.lexicon, text, |entry| entry.text).is_some()
-        || word(model, text).is_some_and(|index| pronoun(model, index).is_some())
+    // "It two …" is "it" and a distance.
+    let is_named =
+        find(model.lexicon, text, |entry| entry.text).is_some() && !is_number(model, text);
+    is_named || word(model, text).is_some_and(|index| pronoun(model, index).is_some())
 }
 
 /// One group for what two say of an object.

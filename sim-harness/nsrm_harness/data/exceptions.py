@@ -33,8 +33,7 @@ class ExceptionSentences(Draws):
             raise ValueError("the domain's wording leaves nothing out")
         super().__init__(domain, rng)
         self._said: Exceptions = domain.exceptions
-        #: Those behind which no noun stands.
-        self._everything = [word for word in domain.several.all if word != "all"]
+        self._everything = domain.several.alone
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""

@@ -240,9 +240,13 @@ class SeveralWords:
     #: Words in the plural, each with its singular, as which it is read: "blocks", "them".
     #: Elsewhere, they are other words, or unknown.
     plurals: Mapping[Phrase, Phrase]
+    #: Words for all objects, without a noun, "everything",
+    alone: tuple[Phrase, ...] = ()
+    #: and numbers that mean both behind an article, "two".
+    numbers: tuple[Phrase, ...] = ()
 
     def quantifiers(self) -> dict[str, tuple[str, ...]]:
-        """The words for several objects, by what they mean in programs."""
+        """The words that stand before those for several objects, by what they mean in programs."""
         return {ALL: (*self.all, *self.every), BOTH: self.both}
 
 
@@ -349,7 +353,11 @@ class Domain:
 
     def quantifier_words(self) -> dict[str, tuple[str, ...]]:
         """The words for several objects that are moved, by what they mean in programs."""
-        return self.several.quantifiers() if self.several is not None else {}
+        several = self.several
+        if several is None:
+            return {}
+        words, further = several.quantifiers(), {ALL: several.alone, BOTH: several.numbers}
+        return {name: (*each, *further[name]) for name, each in words.items()}
 
     def table_words(self) -> dict[str, tuple[str, ...]]:
         """The words for the table, by its name in programs."""

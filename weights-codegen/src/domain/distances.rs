@@ -58,7 +58,7 @@ impl Domain {
         let shifts = || distances.shifts.iter();
         let mut said: Vec<_> = shifts().flat_map(|(_, texts)| texts).collect();
         said.sort_unstable();
-        if let Some([text, _]) = said.array_windows().find(|[one, other]| one == other) {
+        if let Some([text, _]) = said.windows(2).find(|pair| pair.first() == pair.last()) {
             return Err(ModelError::ShiftText {
                 text: (*text).clone(),
             });

@@ -30,7 +30,7 @@ fn arrangements_that_mean_nothing() {
             "arrangements.steps",
         ],
     );
-    let unreadable: [SpoilDomain; 8] = [
+    let unreadable: [SpoilDomain; 10] = [
         |domain| domain["exceptions"]["phrases"] = json!(["Except"]),
         |domain| domain["exceptions"]["negations"] = json!([""]),
         |domain| domain["repairs"]["corrections"] = json!(["No"]),
