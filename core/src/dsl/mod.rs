@@ -9,11 +9,11 @@
 //! paper does.
 
 mod description;
+mod filters;
 mod notation;
 
-pub use description::{
-    Description, Extreme, Filters, Property, Quantifier, Relation, RelationKind,
-};
+pub use description::{Description, Relation, RelationKind};
+pub use filters::{Extreme, Filters, Property, Quantifier};
 pub(crate) use notation::action_phrase;
 
 use core::fmt;

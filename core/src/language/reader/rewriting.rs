@@ -1,8 +1,10 @@
 //! Rewrites the tokens of a sentence once all are read, one piece at a time.
 
-use super::{Reader, Tokens, span_of, unclear};
+use super::Reader;
+use crate::language::Tokens;
 use crate::language::phrases::PhraseMatcher;
 use crate::language::sequence::StepEnd;
+use crate::language::tokens::{span_of, unclear};
 use crate::model::Model;
 use crate::refusal::Refusal;
 
