@@ -199,7 +199,8 @@ typedef struct nsrm_step_message {
     uint8_t object[4];
     /** Which of several such objects is moved, as in a relation. */
     uint32_t object_which;
-    /** How many concepts describe objects that are not moved though all else fits; 0 if none is left out. */
+    /** How many concepts describe objects that are not moved though all else fits; 0 if none is
+     *  left out. */
     uint32_t object_except_count;
     /** Those concepts. */
     uint8_t object_except[4];
@@ -226,14 +227,14 @@ typedef struct nsrm_step_message {
     uint32_t reference_relation_count;
     /** Those relations. */
     nsrm_relation_message reference_relations[2];
-    /** The distance between the faces of the two, or by which the object is moved from where it is,
-     *  millimetres; 0 where the sentence names none. */
+    /** The distance between the faces of the two, or by which the object is moved from where it
+     *  is, millimetres; 0 where the sentence names none. */
     uint32_t distance_mm;
     /** Id of the object to move; 0 if the step is not grounded, and then all fields below are
      *  0. */
     uint32_t object_id;
-    /** Id of the reference; of the table, that of the object beside which there is room; of the object
-     *  itself, its own. */
+    /** Id of the reference; of the table, that of the object beside which there is room; of the
+     *  object itself, its own. */
     uint32_t reference_id;
     /** How well the object fits its description, a cosine. */
     float object_score;
@@ -355,8 +356,8 @@ typedef struct nsrm_sub_goal {
     uint32_t action;
     /** Id of the object to move. */
     uint32_t object_id;
-    /** Id of the reference object; of the table, of the object beside which there is room; of the object
-     *  itself, its own. */
+    /** Id of the reference object; of the table, of the object beside which there is room; of the
+     *  object itself, its own. */
     uint32_t reference_id;
     /** Product of the step's probabilities, 0 to 1. */
     float confidence;

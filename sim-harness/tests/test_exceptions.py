@@ -1,4 +1,5 @@
-"""What is left out of a description: the words, sentences that say it, and which blocks then move."""
+"""What is left out of a description: its words, sentences that say it, and which blocks then
+move."""
 
 from __future__ import annotations
 

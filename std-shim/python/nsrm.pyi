@@ -183,8 +183,8 @@ class Step:
     def reference(self) -> Described: ...
     @property
     def distance_mm(self) -> int | None:
-        """The distance between the faces of the two; None where the sentence names none. From the object
-        itself, that by which it is moved."""
+        """The distance between the faces of the two; None where the sentence names none. With
+        "itself" as the reference, that by which the object is moved."""
 
 @final
 class Correction:
@@ -224,8 +224,8 @@ class PlannedStep:
     def reference(self) -> Described: ...
     @property
     def distance_mm(self) -> int | None:
-        """The distance between the faces of the two; None where the sentence names none. From the object
-        itself, that by which it is moved."""
+        """The distance between the faces of the two; None where the sentence names none. With
+        "itself" as the reference, that by which the object is moved."""
     @property
     def object_id(self) -> int: ...
     @property

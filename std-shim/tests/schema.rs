@@ -158,6 +158,42 @@ fn programs_and_refusals_are_as_the_schema_says() {
 }
 
 #[test]
+fn what_the_built_in_model_understands_is_as_the_schema_says() {
+    let validator = Validator::new();
+    for (sentence, argument, expected) in [
+        (
+            "slide the red block 5 cm to the left",
+            "reference",
+            json!({"concepts": [], "which": "itself"}),
+        ),
+        (
+            "put the red block on the table",
+            "reference",
+            json!({"concepts": [], "which": "table"}),
+        ),
+        (
+            "put all the small blocks except the red one on the blue one",
+            "object",
+            json!({"concepts": ["small"], "which": "all", "except": ["red"]}),
+        ),
+        (
+            "put the red block on the block that is not blue",
+            "reference",
+            json!({"concepts": [], "except": {"concepts": ["blue"], "which": "all"}}),
+        ),
+        (
+            "put the second red block from the left on the blue one",
+            "object",
+            json!({"concepts": ["red"], "which": "second leftmost"}),
+        ),
+    ] {
+        let value = printed(&nsrm_tabletop::TABLETOP, sentence);
+        validator.check(&value);
+        assert_eq!(value["steps"][0][argument], expected, "{sentence}");
+    }
+}
+
+#[test]
 fn corrections_and_errors_are_as_the_schema_says() {
     let validator = Validator::new();
     let sentence = "plase put the yelow block on the read one";

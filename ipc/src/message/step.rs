@@ -39,7 +39,8 @@ message! {
         pub object: [u8; MAX_FILTERS],
         /// Which of several such objects is moved, as in a relation.
         pub object_which: u32,
-        /// How many concepts describe objects that are not moved though all else fits; 0 if none is left out.
+        /// How many concepts describe objects that are not moved though all else fits; 0 if none is
+        /// left out.
         pub object_except_count: u32,
         /// Those concepts.
         pub object_except: [u8; MAX_FILTERS],
@@ -66,14 +67,14 @@ message! {
         pub reference_relation_count: u32,
         /// Those relations.
         pub reference_relations: [RelationMessage; MAX_RELATIONS],
-        /// The distance between the faces of the two, or by which the object is moved from where it is,
-        /// millimetres; 0 where the sentence names none.
+        /// The distance between the faces of the two, or by which the object is moved from where it
+        /// is, millimetres; 0 where the sentence names none.
         pub distance_mm: u32,
         /// Id of the object to move; 0 if the step is not grounded, and then all fields below are
         /// 0.
         pub object_id: u32,
-        /// Id of the reference; of the table, that of the object beside which there is room; of the object
-        /// itself, its own.
+        /// Id of the reference; of the table, that of the object beside which there is room; of the
+        /// object itself, its own.
         pub reference_id: u32,
         /// How well the object fits its description, a cosine.
         pub object_score: f32,

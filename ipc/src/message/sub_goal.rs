@@ -41,8 +41,8 @@ message! {
         pub action: u32,
         /// Id of the object to move.
         pub object_id: u32,
-        /// Id of the reference object; of the table, of the object beside which there is room; of the object
-        /// itself, its own.
+        /// Id of the reference object; of the table, of the object beside which there is room; of the
+        /// object itself, its own.
         pub reference_id: u32,
         /// Product of the step's probabilities, 0 to 1.
         pub confidence: f32,

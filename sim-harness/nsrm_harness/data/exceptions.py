@@ -105,7 +105,10 @@ class ExceptionSentences(Draws):
         step = self._step()
         moved, reference = (self._speaker.words(name, step) for name in ("{moved}", "{reference}"))
         do, other = self._speaker.words("{do}"), ["the", *self._described(self._values())]
-        every, place = self._all(self._values()), self._choose(self._domain.action(step.action).phrases)
+        every, place = (
+            self._all(self._values()),
+            self._choose(self._domain.action(step.action).phrases),
+        )
         on = self._choose(self._domain.actions[0].phrases)
         phrase, negation = (
             self._choose(each) for each in (self._said.phrases, self._said.negations)
@@ -152,7 +155,12 @@ class ExceptionSentences(Draws):
         if not values and self._rng.random() < 0.5:
             return [self._choose(self._everything)]
         noun = self._choose(NOUNS) + "s"
-        return ["all", *(["the"] if self._rng.random() < 0.5 else []), *self._words_of(values), noun]
+        return [
+            "all",
+            *(["the"] if self._rng.random() < 0.5 else []),
+            *self._words_of(values),
+            noun,
+        ]
 
     def _excepted(self, left_out: Excepted) -> list[str]:
         phrase = self._choose(self._said.phrases)
@@ -166,7 +174,9 @@ class ExceptionSentences(Draws):
         return [phrase, *article, *values, f"{noun}s"]
 
     def _negated(self, values: Values, left_out: Excepted) -> list[str]:
-        negation = self._choose([text for text in self._said.negations if " are" not in text and "aren" not in text])
+        negation = self._choose(
+            [text for text in self._said.negations if " are" not in text and "aren" not in text]
+        )
         described = self._described(values)
         return ["the", *described, negation, *self._words_of(left_out.values)]
 
@@ -184,8 +194,8 @@ def _joined(*words: str) -> str:
 def excepted_programs(
     domain: Domain, truth: Truth, rng: np.random.Generator, count: int
 ) -> tuple[list[Several], list[Several]]:
-    """So many random programs about an episode's initial scene that move all blocks of a kind except
-    one, and as many whose exception fits none of them or several."""
+    """So many random programs about an episode's initial scene that move all blocks of a kind
+    except one, and as many whose exception fits none of them or several."""
     blocks = [block_from_attributes(domain, values) for values in truth.attributes]
     values = [tuple(block.values.values()) for block in blocks]
     true: list[Several] = []
@@ -198,9 +208,13 @@ def excepted_programs(
                 if described.which != ALL:
                     continue
                 for left_out in sorted({kind for own in values for kind in kinds_of(own)}):
-                    # The reference is none of those that are moved, and may be the one that is left out.
+                    # The reference is not moved, and may be the one that is left out.
                     without = [at for at in moved if not set(left_out) <= set(values[at])]
-                    among = [at for at in fitting(values, described.concepts) if set(left_out) <= set(values[at])]
+                    among = [
+                        at
+                        for at in fitting(values, described.concepts)
+                        if set(left_out) <= set(values[at])
+                    ]
                     step = step_of(domain.actions[0].name, described, Described(kind, ()))
                     program = (replace(step, object_except=Excepted(left_out)),)
                     if set(left_out) & set(described.concepts):

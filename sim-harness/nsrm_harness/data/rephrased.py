@@ -39,7 +39,8 @@ class RephrasedSentences(Draws):
         super().__init__(domain, rng)
         self._said: dict[str, list[str]] = {}
         for text, read_as in domain.rephrasing.items():
-            self._said.setdefault(read_as, []).append(text)
+            if text != read_as:
+                self._said.setdefault(read_as, []).append(text)
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""

@@ -1,6 +1,6 @@
 """How far from the reference an object is put: "two centimetres to the left of the blue block",
-which the core reads as "to the left of the blue block" and keeps; and how far it is moved from where
-it is, "5 cm to the left".
+which the core reads as "to the left of the blue block" and keeps; and how far it is moved from
+where it is, "5 cm to the left".
 
 The parser is not taught it.
 """

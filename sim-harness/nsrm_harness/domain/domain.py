@@ -280,8 +280,8 @@ class Domain:
     #: Words that may stand for what the step before moved, "it", each with the word that is then
     #: read behind it: "one's" for "its", or an empty text.
     pronouns: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
-    #: Words that put an object somewhere and never only take it: behind a whole step of one of them, a
-    #: pronoun behind one is of another step.
+    #: Words that put an object somewhere and never only take it: behind a whole step of one of
+    #: them, a pronoun behind one is of another step.
     placing: Annotated[tuple[Phrase, ...], Field(default_factory=tuple)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: Phrases that are read as others.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -84,8 +84,6 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["placing"] = placing
     if several:
         document["several"] = several
-    if rephrasing := rephrasing_of(rephrasing, str(path)):
-        document["rephrasing"] = rephrasing
     if exceptions := exceptions_of(exceptions, str(path)):
         document["exceptions"] = exceptions
     if repairs := repairs_of(repairs, str(path)):
@@ -108,10 +106,23 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     if spelling := words.pop("spelling", None):
         document["spelling"] = spelling
     document["everyday"] = words
-    checked = everyday_of(parse(document, str(path)))
+    described = words.get("relations", {})
+    without = parse(document, str(path))
+    checked = everyday_of(without)
     words["relations"] = dict(checked.relations)
     words["rules"] = checked.used_rules()
+    # "Behind" is no word of a domain in which nothing is put there.
+    missing = _words_of(described, {*described} - {*checked.relations}) - without.other_words()
+    if phrases := rephrasing_of(rephrasing, str(path)):
+        document["rephrasing"] = {
+            text: read_as for text, read_as in phrases.items() if not {*read_as.split()} & missing
+        }
     return parse(document, str(path))
+
+
+def _words_of(relations: Mapping[str, Mapping[str, str]], names: Iterable[str]) -> set[str]:
+    """The words of these relations of a wording file."""
+    return {word for name in names for text in relations[name].values() for word in text.split()}
 
 
 def _taken_out(words: dict[str, Any], name: str, path: Path) -> dict[str, Any]:

@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _repairs, _sequence, _distances,
-        _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _repairs, _sequence,
+        _distances, _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)

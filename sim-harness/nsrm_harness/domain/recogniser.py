@@ -128,7 +128,8 @@ def means_rewritten(domain: Domain, sentence: str) -> bool:
 def _means_rephrased(domain: Domain, sentence: str) -> bool:
     """Whether a sentence has a phrase that is read as another one."""
     spaced = f" {' '.join(split(sentence))} "
-    return any(f" {text} " in spaced for text in domain.rephrasing)
+    phrases = domain.rephrasing.items()
+    return any(f" {text} " in spaced for text, read_as in phrases if text != read_as)
 
 
 def _means_sequence(domain: Domain, sentence: str) -> bool:

@@ -1,7 +1,7 @@
-"""What the core rewrites before it reads a sentence: phrases that it reads as others, what is left out
-of a description, which it keeps apart, what is taken back, which it leaves out, steps in another order than that in which they are carried out, values
-that stand apart, which it joins, the table where it is meant and not named, and towers and rows,
-which it reads as their steps.
+"""What the core rewrites before it reads a sentence: phrases that it reads as others, what is left
+out of a description, which it keeps apart, what is taken back, which it leaves out, steps in
+another order than that in which they are carried out, values that stand apart, which it joins, the
+table where it is meant and not named, and towers and rows, which it reads as their steps.
 
 The parser is not taught them.
 """

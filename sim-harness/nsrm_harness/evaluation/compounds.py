@@ -1,5 +1,5 @@
-"""What is put next to another block, on two of its sides at once, or at a distance that is named, or
-moved from where it is, in scenes: whether it ends there.
+"""What is put next to another block, on two of its sides at once, or at a distance that is named,
+or moved from where it is, in scenes: whether it ends there.
 
 Judged by the ground truth: the right block, its centre near one of the places where the
 demonstrator would put it, and its base apart from that of every other block.
@@ -33,7 +33,7 @@ TIMES = 3
 
 @dataclass(frozen=True, eq=False)
 class PutBeside:
-    """A sentence that puts a block of an episode beside another one, or moves it from where it is."""
+    """A sentence that puts a block of an episode beside another one, or moves it from its place."""
 
     episode: int
     put: Put

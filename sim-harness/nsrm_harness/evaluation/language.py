@@ -239,8 +239,8 @@ def say_rephrased(domain: Domain, seed: int) -> dict[str, Sentences]:
 
 
 def say_exceptions(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`EXCEPTION_COUNT` sentences that leave something out, and as many that leave nothing out that is
-    meant, by the name of their set."""
+    """`EXCEPTION_COUNT` sentences that leave something out, and as many that leave nothing out that
+    is meant, by the name of their set."""
     sentences = ExceptionSentences(domain, generator(seed, "exceptions", 0))
     return {
         "exceptions": [sentences.draw() for _ in range(EXCEPTION_COUNT)],

@@ -5,8 +5,9 @@ They are about episodes of one step, and best about scenes in which blocks stand
 sentence is right if its program is the one that was meant; in its scene, if the plan moves the
 right block to the right other one. Descriptions that hold for no block of the scene or for several
 must be refused there. Superlatives, "nearest to" and "farthest from", extremes, "leftmost",
-ordinals, "second from the left", several blocks, "all red ones", what is put on the table, what next
-to another block or diagonally from it, and what is moved by a distance, are counted apart.
+ordinals, "second from the left", several blocks, "all red ones", also with exceptions, what is put
+on the table, what next to another block or diagonally from it, and what is moved by a distance, are
+counted apart.
 """
 
 from __future__ import annotations

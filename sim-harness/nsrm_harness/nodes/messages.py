@@ -458,7 +458,8 @@ class StepMessage(ctypes.Structure):
         ("object", ctypes.c_uint8 * 4),
         # Which of several such objects is moved, as in a relation.
         ("object_which", ctypes.c_uint32),
-        # How many concepts describe objects that are not moved though all else fits; 0 if none is left out.
+        # How many concepts describe objects that are not moved though all else fits; 0 if none is
+        # left out.
         ("object_except_count", ctypes.c_uint32),
         # Those concepts.
         ("object_except", ctypes.c_uint8 * 4),
@@ -485,14 +486,14 @@ class StepMessage(ctypes.Structure):
         ("reference_relation_count", ctypes.c_uint32),
         # Those relations.
         ("reference_relations", RelationMessage * 2),
-        # The distance between the faces of the two, or by which the object is moved from where it is,
-        # millimetres; 0 where the sentence names none.
+        # The distance between the faces of the two, or by which the object is moved from where it
+        # is, millimetres; 0 where the sentence names none.
         ("distance_mm", ctypes.c_uint32),
         # Id of the object to move; 0 if the step is not grounded, and then all fields below are
         # 0.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference; of the table, that of the object beside which there is room; of the object
-        # itself, its own.
+        # Id of the reference; of the table, that of the object beside which there is room; of the
+        # object itself, its own.
         ("reference_id", ctypes.c_uint32),
         # How well the object fits its description, a cosine.
         ("object_score", ctypes.c_float),
@@ -634,8 +635,8 @@ class SubGoal(ctypes.Structure):
         ("action", ctypes.c_uint32),
         # Id of the object to move.
         ("object_id", ctypes.c_uint32),
-        # Id of the reference object; of the table, of the object beside which there is room; of the object
-        # itself, its own.
+        # Id of the reference object; of the table, of the object beside which there is room; of the
+        # object itself, its own.
         ("reference_id", ctypes.c_uint32),
         # Product of the step's probabilities, 0 to 1.
         ("confidence", ctypes.c_float),

@@ -116,6 +116,8 @@ fn sentences() -> impl Iterator<Item = &'static str> {
         "put the gren block on the blue block",
         "put the rötliche block on the blue block",
         "on the blue block put the red block and then put the green one to the left of it",
+        "slide the red block 5 cm to the left, then put it two inches behind the blue one",
+        "put everything except the red one on the two blocks that are not blue, no, on the table",
     ];
     SENTENCES.into_iter().chain(more)
 }

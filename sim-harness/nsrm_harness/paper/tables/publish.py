@@ -48,8 +48,6 @@ SETS = {
     "values apart of one type": "two values of one type; to refuse",
     "other phrases": '"the red block is supposed to be on …", "put it so that it is left of …"',
     "no orders": "such that order nothing, to refuse",
-    "exceptions": '"all blocks except the red one", "the block that is not red"',
-    "no exceptions": "such that leave nothing out that is meant, to refuse",
     "repairs": '"the red block, no, the green one", "the red one, not the green one"',
     "no repairs": "such of which nobody can tell what is meant, to refuse",
     "order of time": 'two steps in another order: "before you put the red block on …, put …"',
