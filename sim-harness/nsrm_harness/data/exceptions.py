@@ -9,12 +9,18 @@ import numpy as np
 
 from nsrm_harness.data.draws import Draws, Values
 from nsrm_harness.data.ground_truth import Truth
-from nsrm_harness.data.relations import Described, kinds_of, step_of
-from nsrm_harness.data.several import MOST_MOVED, Several, drawn, fitting, several_described
+from nsrm_harness.data.relations import kinds_of
+from nsrm_harness.data.several import (
+    MOST_MOVED,
+    Several,
+    drawn,
+    fitting,
+    several_steps,
+    values_of,
+)
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.program import ALL, Excepted, Program, Step
 from nsrm_harness.domain.rewriting import Exceptions
-from nsrm_harness.simulation.blocks import block_from_attributes
 
 #: Share of sentences with a further step.
 FOLLOWED = 0.3
@@ -196,32 +202,21 @@ def excepted_programs(
 ) -> tuple[list[Several], list[Several]]:
     """So many random programs about an episode's initial scene that move all blocks of a kind
     except one, and as many whose exception fits none of them or several."""
-    blocks = [block_from_attributes(domain, values) for values in truth.attributes]
-    values = [tuple(block.values.values()) for block in blocks]
+    values = values_of(domain, truth)
+    kinds = sorted({kind for own in values for kind in kinds_of(own)})
     true: list[Several] = []
     untrue: list[Several] = []
-    for reference, own in enumerate(values):
-        for kind in kinds_of(own):
-            if fitting(values, kind) != [reference]:
+    for step, reference, moved in several_steps(domain, values):
+        for left_out in kinds if step.object_which == ALL else ():
+            if {*left_out} & {*step.object}:
                 continue
-            for described, moved in several_described(values, reference):
-                if described.which != ALL:
-                    continue
-                for left_out in sorted({kind for own in values for kind in kinds_of(own)}):
-                    # The reference is not moved, and may be the one that is left out.
-                    without = [at for at in moved if not set(left_out) <= set(values[at])]
-                    among = [
-                        at
-                        for at in fitting(values, described.concepts)
-                        if set(left_out) <= set(values[at])
-                    ]
-                    step = step_of(domain.actions[0].name, described, Described(kind, ()))
-                    program = (replace(step, object_except=Excepted(left_out)),)
-                    if set(left_out) & set(described.concepts):
-                        continue
-                    if len(among) != 1:
-                        untrue.append(Several(program, (), reference + 1))
-                    elif 1 <= len(without) <= MOST_MOVED:
-                        ids = tuple(block + 1 for block in without)
-                        true.append(Several(program, ids, reference + 1))
+            # The reference is not moved, and may be the one that is left out.
+            without = [at for at in moved if not {*left_out} <= {*values[at]}]
+            among = [at for at in fitting(values, step.object) if {*left_out} <= {*values[at]}]
+            program = (replace(step, object_except=Excepted(left_out)),)
+            if len(among) != 1:
+                untrue.append(Several(program, (), reference + 1))
+            elif 1 <= len(without) <= MOST_MOVED:
+                ids = tuple(block + 1 for block in without)
+                true.append(Several(program, ids, reference + 1))
     return drawn(domain, true, rng, count), drawn(domain, untrue, rng, count)

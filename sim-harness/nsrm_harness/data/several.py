@@ -11,7 +11,7 @@ import numpy as np
 from nsrm_harness.data.ground_truth import Truth
 from nsrm_harness.data.relations import MOST_VALUES, Described, kinds_of, step_of
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.program import ALL, BOTH, Program
+from nsrm_harness.domain.program import ALL, BOTH, Program, Step
 from nsrm_harness.simulation.blocks import block_from_attributes
 
 #: Number of objects that "both" means.
@@ -36,21 +36,14 @@ def several_programs(
 ) -> tuple[list[Several], list[Several]]:
     """So many random programs about an episode's initial scene, and as many that fit none of its
     blocks, or not two if both are meant. None if there are no such programs."""
-    blocks = [block_from_attributes(domain, values) for values in truth.attributes]
-    values = [tuple(block.values.values()) for block in blocks]
     true: list[Several] = []
     untrue: list[Several] = []
-    for reference, own in enumerate(values):
-        for kind in kinds_of(own):
-            if fitting(values, kind) != [reference]:
-                continue
-            for described, moved in several_described(values, reference):
-                step = step_of(domain.actions[0].name, described, Described(kind, ()))
-                ids = tuple(block + 1 for block in moved)
-                if (described.which == BOTH and len(moved) != BOTH_COUNT) or not moved:
-                    untrue.append(Several((step,), (), reference + 1))
-                elif 1 < len(moved) <= MOST_MOVED:
-                    true.append(Several((step,), ids, reference + 1))
+    for step, reference, moved in several_steps(domain, values_of(domain, truth)):
+        if (step.object_which == BOTH and len(moved) != BOTH_COUNT) or not moved:
+            untrue.append(Several((step,), (), reference + 1))
+        elif 1 < len(moved) <= MOST_MOVED:
+            ids = tuple(block + 1 for block in moved)
+            true.append(Several((step,), ids, reference + 1))
     return drawn(domain, true, rng, count), drawn(domain, untrue, rng, count)
 
 
@@ -60,15 +53,28 @@ def has_stack(truth: Truth) -> bool:
     return any(z > edges[2] for z, edges in zip(heights, truth.edges_m, strict=True))
 
 
-def several_described(
-    values: list[tuple[str, ...]], reference: int
-) -> Iterator[tuple[Described, list[int]]]:
-    """Descriptions of several blocks, and those other than the reference that fit."""
-    kinds = sorted({kind for own in values for kind in kinds_of(own)})
-    for kind in kinds:
-        moved = [at for at in fitting(values, kind) if at != reference]
-        for which in (ALL, BOTH):
-            yield Described(kind, (), which), moved
+def values_of(domain: Domain, truth: Truth) -> list[tuple[str, ...]]:
+    """The values of each block of an episode."""
+    blocks = [block_from_attributes(domain, values) for values in truth.attributes]
+    return [tuple(block.values.values()) for block in blocks]
+
+
+def several_steps(
+    domain: Domain, values: list[tuple[str, ...]]
+) -> Iterator[tuple[Step, int, list[int]]]:
+    """Steps of the first action that move several blocks, each with the index of its reference,
+    which its description fits alone, and those of the blocks that fit, apart from the reference."""
+    every = sorted({kind for own in values for kind in kinds_of(own)})
+    for reference, own in enumerate(values):
+        for place in kinds_of(own):
+            if fitting(values, place) != [reference]:
+                continue
+            for kind in every:
+                moved = [at for at in fitting(values, kind) if at != reference]
+                for which in (ALL, BOTH):
+                    described = Described(kind, (), which)
+                    step = step_of(domain.actions[0].name, described, Described(place, ()))
+                    yield step, reference, moved
 
 
 def fitting(values: list[tuple[str, ...]], kind: tuple[str, ...]) -> list[int]:
