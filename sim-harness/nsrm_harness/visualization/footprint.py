@@ -34,6 +34,7 @@ PARTS = {
         "placing",
         "several",
         "rephrasing",
+        "exceptions",
         "repairs",
         "sequence",
         "distances",
