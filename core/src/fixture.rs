@@ -304,6 +304,7 @@ pub(crate) fn model() -> Model<'static> {
         placing: &[],
         several: Several::new(),
         rephrasing: Rephrasing::new(),
+        simplification: Simplification::new(),
         exceptions: Exceptions::new(),
         repairs: Repairs::new(),
         sequence: Sequence::new(),

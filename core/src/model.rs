@@ -23,6 +23,7 @@ mod ordinal;
 mod repair;
 mod rephrasing;
 mod sequence;
+mod simplification;
 mod table;
 
 pub use check::ModelFault;
@@ -34,6 +35,7 @@ pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
 pub use rephrasing::{Rephrased, Rephrasing};
 pub use sequence::{Sequence, SequenceText};
+pub use simplification::{Simplification, Taking};
 pub use table::{MAX_SIDES, Table};
 
 use crate::camera::Camera;
@@ -105,6 +107,8 @@ pub struct Model<'a> {
     pub several: Several<'a>,
     /// What is read as other words.
     pub rephrasing: Rephrasing<'a>,
+    /// What a sentence can do without that is refused as it stands.
+    pub simplification: Simplification<'a>,
     /// How something is left out of a description.
     pub exceptions: Exceptions<'a>,
     /// How something is taken back.

@@ -18,8 +18,8 @@ use compounds::Compounds;
 pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
-use rewriting::{Apart, Exceptions, Repairs, Rephrasing, Sequence, Table};
-pub(crate) use rewriting::{ArrangedStep, Arrangements};
+use rewriting::{Apart, Exceptions, Repairs, Sequence, Simplification, Table};
+pub(crate) use rewriting::{ArrangedStep, Arrangements, Rephrasing};
 
 /// Keys of a relation of everyday wording that name rules.
 const RULE_NAMES: [&str; 4] = ["rule", "state", "related", "undescribed"];
@@ -66,6 +66,9 @@ pub struct Domain {
     /// What is read as other words.
     #[serde(default)]
     pub rephrasing: Rephrasing,
+    /// What a refused sentence is read again without.
+    #[serde(default)]
+    pub simplification: Simplification,
     /// How objects are left out of a description.
     #[serde(default)]
     pub exceptions: Exceptions,

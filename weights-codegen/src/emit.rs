@@ -30,8 +30,8 @@ use nsrm_core::model::{
     Compounds, Concept, Count, CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Distances,
     Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Model, Opening, Ordinals,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText,
-    Several, Simulator, Spelling, Superlative, Table, Thresholds, View, ViewEncoder, Vision, Word,
-    WorkSpace,
+    Several, Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, View,
+    ViewEncoder, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Not every domain has compounds.

@@ -22,7 +22,8 @@ use crate::rounded::Rounded;
 use crate::tensors::Tensors;
 use distances::DistanceParts;
 use rewriting::{
-    ArrangementParts, CompoundParts, OrdinalParts, RephrasingParts, SequenceParts, TableParts,
+    ArrangementParts, CompoundParts, OrdinalParts, RephrasingParts, SequenceParts,
+    SimplificationParts, TableParts,
 };
 
 /// A model read from a safetensors file, checked and folded.
@@ -60,6 +61,7 @@ struct Parts<'a> {
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
     rephrasing: RephrasingParts<'a>,
+    simplification: SimplificationParts<'a>,
     exceptions: [Vec<&'a str>; 2],
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
@@ -173,6 +175,7 @@ impl OwnedModel {
                     .with_plurals(&parts.plurals),
             )
             .with_rephrasing(parts.rephrasing.lent())
+            .with_simplification(parts.simplification.lent())
             .with_exceptions(
                 Exceptions::new()
                     .with_phrases(&parts.exceptions[0])
@@ -276,7 +279,8 @@ impl<'a> Parts<'a> {
                     Ok(Plural::new().with_text(text).with_word(word))
                 })
                 .collect::<Result<_, ModelError>>()?,
-            rephrasing: RephrasingParts::new(domain),
+            rephrasing: RephrasingParts::new(&domain.rephrasing),
+            simplification: SimplificationParts::new(domain),
             exceptions: [&domain.exceptions.phrases, &domain.exceptions.negations]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]

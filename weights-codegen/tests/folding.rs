@@ -68,6 +68,25 @@ fn names_stand_with_their_parameters() {
             .eq([("do so", ""), ("is supposed to", "then")])
     );
     assert_eq!(model.rephrasing.first_words, ["do", "is"]);
+    let lists = model.simplification;
+    let said = |list: Rephrasing<'_>| -> Vec<(String, String)> {
+        let said = list.said.iter();
+        said.map(|said| (said.text.into(), said.read_as.into()))
+            .collect()
+    };
+    assert_eq!(said(lists.opening), [("so".into(), String::new())]);
+    assert_eq!(
+        said(lists.anywhere),
+        [
+            ("by then".into(), "then".into()),
+            ("uh".into(), String::new())
+        ]
+    );
+    assert_eq!(lists.anywhere.first_words, ["by", "uh"]);
+    assert_eq!(said(lists.closing), [("then".into(), String::new())]);
+    assert_eq!(lists.taking.words, ["lift", "take"]);
+    assert_eq!(lists.taking.towards, ["onto"]);
+    assert_eq!((lists.taking.order, lists.taking.object), ("shift", "then"));
     assert_eq!(model.exceptions.phrases, ["except", "except for"]);
     assert_eq!(model.exceptions.negations, ["that is not"]);
     assert_eq!(model.repairs.corrections, ["no", "oh no"]);

@@ -26,6 +26,7 @@ mod rephrasing;
 mod segments;
 mod sequence;
 mod shifts;
+mod simplification;
 mod spelling;
 mod splitter;
 mod task;

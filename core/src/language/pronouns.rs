@@ -35,6 +35,7 @@ mod tests {
     use super::*;
     use crate::MAX_READINGS;
     use crate::fixture::{self, parse};
+    use crate::language::reader::Reading;
     use crate::language::{Reader, Span, TokenKind};
     use crate::refusal::Refusal;
 
@@ -174,11 +175,11 @@ mod tests {
         assert_eq!(refusal.kind(), "incomplete_step");
     }
 
-    fn read(
-        model: &Model<'_>,
-        sentence: &str,
-        reading: usize,
-    ) -> (std::vec::Vec<TokenKind>, usize) {
+    fn read(model: &Model<'_>, sentence: &str, number: usize) -> (std::vec::Vec<TokenKind>, usize) {
+        let reading = Reading {
+            number,
+            is_simplified: false,
+        };
         let mut reader = Reader::nth(sentence, reading).unwrap();
         while reader.advance(model, sentence).unwrap() {}
         let kinds = reader.tokens().iter().map(|token| token.kind);

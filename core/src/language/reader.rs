@@ -17,6 +17,15 @@ use crate::dsl::{Filters, Property};
 use crate::model::Model;
 use crate::refusal::Refusal;
 
+/// One of the ways in which a sentence can be read.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Reading {
+    /// Which of those that its words have, from 0 to before [`Reader::readings`].
+    pub(super) number: usize,
+    /// Whether it is read without what it can do without.
+    pub(super) is_simplified: bool,
+}
+
 /// Reads a sentence word by word.
 ///
 /// Words are separated by white space and compared in lower case, letter by letter
@@ -35,7 +44,8 @@ use crate::refusal::Refusal;
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
 ///
-/// Phrases are read as others that mean the same ([`crate::model::Rephrasing`]).
+/// A sentence that is refused as it stands is read once more without what it can do without
+/// ([`crate::model::Simplification`]). Phrases are read as others that mean the same ([`crate::model::Rephrasing`]).
 /// What is left out of a description ([`crate::model::Exceptions`]), "except the red one", is kept apart from the tokens.
 /// A description that is taken back or ruled out ([`crate::model::Repairs`]), "the red block" in "the red block, no, the
 /// green one", is left out. Two steps that are said in another order ([`crate::model::Sequence`]), "before you put …, put …",
@@ -76,6 +86,8 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
+    /// Whether words were left out without which the sentence says the same, or read in simpler ones.
+    is_simpler: bool,
     /// What was left out of descriptions.
     exceptions: Vec<Exception, MAX_STEPS, u8>,
     /// The distances that were left out of the tokens.
@@ -89,11 +101,11 @@ pub struct Reader {
 impl Reader {
     /// Starts at the beginning of `sentence`; refuses one that is too long for bounded work.
     pub fn new(sentence: &str) -> Result<Self, Refusal> {
-        Self::nth(sentence, 0)
+        Self::nth(sentence, Reading::default())
     }
 
-    /// For another reading of the sentence, from 0 to before [`Reader::readings`].
-    pub(super) fn nth(sentence: &str, reading: usize) -> Result<Self, Refusal> {
+    /// For another reading of the sentence.
+    pub(super) fn nth(sentence: &str, reading: Reading) -> Result<Self, Refusal> {
         if sentence.len() > MAX_SENTENCE_BYTES {
             return Err(Refusal::SentenceTooLong {
                 limit: MAX_SENTENCE_BYTES as u16,
@@ -105,7 +117,11 @@ impl Reader {
             end: sentence
                 .trim_end_matches(|c: char| is_space(c) || is_full_stop(c))
                 .len(),
-            choice: reading,
+            choice: reading.number,
+            rewriting: match reading.is_simplified {
+                true => Rewriting::Simplifying { from: 0 },
+                false => Rewriting::Rephrasing { from: 0 },
+            },
             ..Self::empty()
         })
     }
@@ -120,6 +136,7 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
+            is_simpler: false,
             exceptions: Vec::new(),
             distances: Vec::new(),
             rewriting: Rewriting::Rephrasing { from: 0 },
@@ -195,7 +212,7 @@ impl Reader {
         &self.distances
     }
 
-    /// How many readings the sentence has so far: 1 without corrections and pronouns.
+    /// How many readings the sentence has so far, as it stands or simplified: 1 without corrections and pronouns.
     pub(super) const fn readings(&self) -> usize {
         self.readings
     }
@@ -209,11 +226,17 @@ impl Reader {
         if !matches!(property, Property::Quantifier(_)) || !is_other {
             return true;
         }
-        if is_number
-            && !self
-                .tokens
-                .last()
-                .is_some_and(|token| is_article(model, token))
+        let is_before = |token: &Token| match is_number {
+            true => is_article(model, token),
+            // "First of all, the red block".
+            false => {
+                !matches!(token.kind, TokenKind::Word(of) if model.several.between.contains(&of))
+            }
+        };
+        if self
+            .tokens
+            .last()
+            .map_or(is_number, |token| !is_before(token))
         {
             return false;
         }
@@ -262,13 +285,22 @@ impl Reader {
     /// the sentence then has too many readings.
     fn choose(&mut self, ways: usize) -> Option<usize> {
         let readings = self.readings.saturating_mul(ways);
-        if readings > MAX_READINGS {
+        if readings > self.most_readings() {
             return None;
         }
         let chosen = self.choice.checked_rem(ways)?;
         self.choice = self.choice.checked_div(ways)?;
         self.readings = readings;
         Some(chosen)
+    }
+
+    /// How many readings the sentence may have: so many that there is room for both those of the sentence as it
+    /// stands and those of a simplified one.
+    const fn most_readings(&self) -> usize {
+        match self.is_simpler {
+            true => MAX_READINGS / 2,
+            false => MAX_READINGS,
+        }
     }
 
     /// A word outside the lexicon. A pronoun behind the descriptions of a whole step may mean what

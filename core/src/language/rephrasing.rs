@@ -7,11 +7,16 @@ use core::ops::Range;
 
 use super::Token;
 use super::phrases::PhraseMatcher;
+use crate::model::Rephrasing;
 
 impl<'a> PhraseMatcher<'_, 'a> {
-    /// The phrase that begins at a token, of several the longest, and what is read in its place.
-    pub(super) fn rephrased(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, &'a str)> {
-        let rephrasing = self.model.rephrasing;
+    /// The phrase of a list that begins at a token, of several the longest, and what is read in its place.
+    pub(super) fn rephrased(
+        &self,
+        rephrasing: &Rephrasing<'a>,
+        tokens: &[Token],
+        at: usize,
+    ) -> Option<(Range<usize>, &'a str)> {
         let rest = tokens.get(at..)?;
         if !self.is_one_of(rephrasing.first_words, rest.first()?) {
             return None;

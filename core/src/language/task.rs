@@ -1,11 +1,12 @@
 mod decode;
 mod split;
 
+use super::reader::Reading;
 use super::relations::Roles;
 use super::segments::Segments;
 use super::tokens::unclear;
 use super::{Acceptability, Encoder, Parsed, Reader, Span, Splitter, TokenKind};
-use crate::capacity::{MAX_GROUPS, MAX_STEP_TOKENS};
+use crate::capacity::{MAX_GROUPS, MAX_READINGS, MAX_STEP_TOKENS};
 use crate::dsl::Argument;
 use crate::model::{Model, WORD};
 use crate::refusal::{Decision, LengthUnit, Quantity, Refusal};
@@ -19,7 +20,8 @@ use split::{Splits, is_final};
 /// If words are misspelt, or pronouns may stand for what the step before moved, each reading of the
 /// sentence, at most [`crate::MAX_READINGS`], is parsed in turn. All that make sense must mean the same
 /// program; otherwise, or if none makes sense, the first misspelt word is refused as unknown, or the
-/// pronoun as unclear. If it is not clear where a step
+/// pronoun as unclear. A sentence whose words make no sense is read once more without words that it can do without
+/// ([`crate::model::Simplification`]). If it is not clear where a step
 /// ends, or its words make no sense, the reading is parsed with each of at most [`crate::MAX_SPLITS`]
 /// − 1 of the splitter's decisions reversed, and the most probable way is taken.
 ///
@@ -53,14 +55,16 @@ pub struct ParsingTask<'m, T> {
     acceptability: Acceptability,
     roles: Roles,
     parsed: Parsed,
-    /// The reading of the sentence that is parsed, from 0.
-    reading: usize,
+    /// The reading of the sentence that is parsed.
+    reading: Reading,
     /// Of how many.
     readings: usize,
     /// The first reading that makes sense, if there are several.
     accepted: Option<Parsed>,
     /// Why the first one of the others makes none.
     refused: Option<Refusal>,
+    /// Why the sentence makes none as it stands, while it is read without what it can do without.
+    as_it_stands: Option<Refusal>,
     /// The first decision that is not sure enough, as the sentence is split now.
     doubt: Option<Refusal>,
     /// The first pronoun that means nothing, as the sentence is split now, and its step.
@@ -135,10 +139,11 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             acceptability: Acceptability::new(),
             roles: Roles::new(),
             parsed: Parsed::empty(model),
-            reading: 0,
+            reading: Reading::default(),
             readings: 1,
             accepted: None,
             refused: None,
+            as_it_stands: None,
             doubt: None,
             unclear: None,
             stage,
@@ -196,8 +201,44 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
         }
     }
 
-    /// A reading of the sentence was parsed or refused: on to the next one, if there is any.
+    /// A reading of the sentence was parsed or refused: on to the next one, if there is any. Once it is refused
+    /// as it stands, it is read without what it can do without.
     fn end_reading(&mut self, refusal: Option<Refusal>) -> Stage {
+        match self.next_reading(refusal) {
+            Stage::Done(Some(refusal)) if self.may_be_simplified(refusal) => {
+                self.as_it_stands = Some(refusal);
+                (self.readings, self.refused) = (1, None);
+                self.reading = Reading {
+                    number: 0,
+                    is_simplified: true,
+                };
+                self.begin_reading()
+            }
+            Stage::Done(Some(refusal)) => Stage::Done(self.as_it_stands.or(Some(refusal))),
+            stage => stage,
+        }
+    }
+
+    /// Whether a sentence that is refused so may make sense without what it can do without: its words make none,
+    /// and it does not make sense in two ways.
+    fn may_be_simplified(&self, refusal: Refusal) -> bool {
+        let makes_none = matches!(
+            refusal,
+            Refusal::UnknownWord { .. }
+                | Refusal::UnclearWords { .. }
+                | Refusal::IncompleteStep { .. }
+                | Refusal::Unsure { .. }
+        );
+        makes_none
+            && !self.reading.is_simplified
+            && self.accepted.is_none()
+            // Both together have no more than these.
+            && self.readings <= MAX_READINGS / 2
+            && !self.model.simplification.is_empty()
+    }
+
+    /// What follows a reading.
+    fn next_reading(&mut self, refusal: Option<Refusal>) -> Stage {
         self.readings = self.readings.max(self.reader.readings());
         let unknown = self.reader.corrections().first();
         let unknown = unknown.map(|correction| Refusal::UnknownWord {
@@ -225,8 +266,8 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
                 self.refused.get_or_insert(refusal);
             }
         }
-        self.reading = self.reading.saturating_add(1);
-        if self.reading < self.readings {
+        self.reading.number = self.reading.number.saturating_add(1);
+        if self.reading.number < self.readings {
             return self.begin_reading();
         }
         match self.accepted.take() {
@@ -241,7 +282,7 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
     /// Whether an unknown word may be known in another reading, or was in one before: those of a tower or of what
     /// is counted, for instance, which only some readings replace.
     fn may_be_known(&self, refusal: Refusal) -> bool {
-        let is_last = self.reading.saturating_add(1) >= self.readings;
+        let is_last = self.reading.number.saturating_add(1) >= self.readings;
         let is_known = self.accepted.is_some() || self.refused.is_some();
         matches!(refusal, Refusal::UnknownWord { .. }) && (is_known || !is_last)
     }
@@ -388,7 +429,7 @@ mod tests {
         let model = fixture::model();
         let other = parsed(&model, "put green on red").parsed;
         let mut task = parsed(&model, "put red on green");
-        (task.reading, task.readings, task.accepted) = (1, 2, Some(other));
+        (task.reading.number, task.readings, task.accepted) = (1, 2, Some(other));
         let Stage::Done(Some(refusal)) = task.end_reading(None) else {
             panic!("not refused");
         };

@@ -8,9 +8,9 @@ use super::{
     Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry,
     MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simulator, Spelling,
-    Superlative, Table, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word,
-    WordEmbeddings, WorkSpace,
+    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simplification, Simulator,
+    Spelling, Superlative, Table, Taking, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
+    WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -59,6 +59,7 @@ builder! {
         placing, with_placing: &'a [u16] = &[];
         several, with_several: Several<'a> = Several::UNSET;
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
+        simplification, with_simplification: Simplification<'a> = Simplification::UNSET;
         exceptions, with_exceptions: Exceptions<'a> = Exceptions::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
         sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
@@ -153,6 +154,18 @@ builder! {
     ['a] Rephrased<'a> {
         text, with_text: &'a str = "";
         read_as, with_read_as: &'a str = "";
+    }
+    ['a] Simplification<'a> {
+        opening, with_opening: Rephrasing<'a> = Rephrasing::UNSET;
+        anywhere, with_anywhere: Rephrasing<'a> = Rephrasing::UNSET;
+        closing, with_closing: Rephrasing<'a> = Rephrasing::UNSET;
+        taking, with_taking: Taking<'a> = Taking::UNSET;
+    }
+    ['a] Taking<'a> {
+        words, with_words: &'a [&'a str] = &[];
+        towards, with_towards: &'a [&'a str] = &[];
+        order, with_order: &'a str = "";
+        object, with_object: &'a str = "";
     }
     ['a] Exceptions<'a> {
         phrases, with_phrases: &'a [&'a str] = &[];

@@ -84,6 +84,9 @@ pub enum ModelFault<'a> {
     /// A word that is read in its place is none of the model's; the word.
     #[error("word \"{0}\", which is read in place of other words, isn't there")]
     RephrasedWord(&'a str),
+    /// A word that takes an object, or that says where one is then put, is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", by which an object is taken, is empty, out of order or repeated")]
+    TakingText(&'a str),
     /// What stands before or behind something that is taken back is empty, or not sorted and unique; the text.
     #[error("\"{0}\", by which something is taken back, is empty, out of order or repeated")]
     RepairText(&'a str),

@@ -196,8 +196,7 @@ class NearMisses:
         most = MOST_GROUPS if self._states else 2
         if not 2 <= len(groups) <= most or any(b == a + 1 for a, b in pairwise(groups)):
             return None
-        is_command = self._recogniser.step(words) or self._recogniser.program(words)
-        return None if is_command else words
+        return None if self._recogniser.command(words) else words
 
     def _unshown(self) -> list[str]:
         """A command that no demonstrator carries out: "put the red block left of the one on the

@@ -62,6 +62,7 @@ STREAMS = {
     "rephrased": 96,
     "shifts": 97,
     "exceptions": 98,
+    "wordy": 99,
 }
 
 

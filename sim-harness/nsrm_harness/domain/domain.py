@@ -32,6 +32,7 @@ from nsrm_harness.domain.rewriting import (
     Exceptions,
     Repairs,
     SequenceWords,
+    Simplification,
     Table,
 )
 from nsrm_harness.domain.wording import (
@@ -286,6 +287,9 @@ class Domain:
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: Phrases that are read as others.
     rephrasing: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]
+    simplification: Annotated[
+        Simplification | None, Field(default=None), BeforeValidator(_not_null)
+    ]
     #: How objects are left out of a description.
     exceptions: Annotated[Exceptions | None, Field(default=None), BeforeValidator(_not_null)]
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]

@@ -37,6 +37,7 @@ from nsrm_harness.domain.rewriting import (
     repairs_of,
     rephrasing_of,
     sequence_of,
+    simplification_of,
     with_sides,
 )
 
@@ -50,8 +51,8 @@ _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
 PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
-    "synonyms", "extremes", "pronouns", "several", "rephrasing", "exceptions", "repairs",
-    "sequence", "distances", "apart", "ordinals", "arrangements", "table", "compounds",
+    "synonyms", "extremes", "pronouns", "several", "rephrasing", "simplification", "exceptions",
+    "repairs", "sequence", "distances", "apart", "ordinals", "arrangements", "table", "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -63,8 +64,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document, placing = _document(domain), words.pop("placing", [])
     (
-        synonyms, extremes, pronouns, several, rephrasing, exceptions, repairs, sequence, distances,
-        apart, ordinals, arrangements, table, compounds,
+        synonyms, extremes, pronouns, several, rephrasing, simplification, exceptions, repairs,
+        sequence, distances, apart, ordinals, arrangements, table, compounds,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -114,10 +115,18 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     # "Behind" is no word of a domain in which nothing is put there.
     missing = _words_of(described, {*described} - {*checked.relations}) - without.other_words()
     if phrases := rephrasing_of(rephrasing, str(path)):
-        document["rephrasing"] = {
-            text: read_as for text, read_as in phrases.items() if not {*read_as.split()} & missing
+        document["rephrasing"] = _read_as_known(phrases, missing)
+    if simpler := simplification_of(simplification, str(path)):
+        document["simplification"] = {
+            key: phrases if key == "taking" else _read_as_known(phrases, missing)
+            for key, phrases in simpler.items()
         }
     return parse(document, str(path))
+
+
+def _read_as_known(phrases: Mapping[str, str], missing: set[str]) -> dict[str, str]:
+    """The phrases that are not read as words which are missing."""
+    return {text: read_as for text, read_as in phrases.items() if not {*read_as.split()} & missing}
 
 
 def _words_of(relations: Mapping[str, Mapping[str, str]], names: Iterable[str]) -> set[str]:

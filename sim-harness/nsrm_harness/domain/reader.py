@@ -318,13 +318,20 @@ def _several(domain: Domain) -> Faults:
 
 def _rephrasing(domain: Domain) -> Faults:
     """Phrases are read as those of the grammar."""
-    if not all(domain.rephrasing):
-        yield "rephrasing", "expected words: remove the empty string"
+    simpler = domain.simplification
+    lists = [("rephrasing", domain.rephrasing)]
+    if simpler is not None:
+        lists += [("simplification", phrases) for phrases in simpler.texts()]
+        if (taking := simpler.taking) is not None:
+            lists.append(("simplification.taking", {"put": taking.order, "it": taking.object}))
     known = domain.other_words()
-    for text in filter(None, domain.rephrasing.values()):
-        for word in text.split(" "):
-            if word not in known:
-                yield "rephrasing", f"{word!r} is not a word of the grammar"
+    for key, phrases in lists:
+        if not all(phrases):
+            yield key, "expected words: remove the empty string"
+        for text in filter(None, phrases.values()):
+            for word in text.split(" "):
+                if word not in known:
+                    yield key, f"{word!r} is not a word of the grammar"
 
 
 def _exceptions(domain: Domain) -> Faults:

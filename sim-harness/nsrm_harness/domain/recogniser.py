@@ -10,6 +10,7 @@ from itertools import pairwise
 from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
 from nsrm_harness.domain.everyday import everyday_of, filled_in, own_texts, state_texts
 from nsrm_harness.domain.reader import COUNTING, MAX_STEPS
+from nsrm_harness.domain.rewriting import Simplification
 from nsrm_harness.domain.tokens import split
 
 _FIELD = re.compile(r"\{(#?[a-z_]+)\}")
@@ -30,6 +31,9 @@ class Recogniser:
     """Recognises the commands of a domain's everyday wording."""
 
     _tries: Mapping[str, _Node] = field(repr=False)
+    #: What a sentence can do without.
+    _simplification: Simplification | None = None
+    _articles: Sequence[str] = ()
 
     @classmethod
     def of(cls, domain: Domain, rules: Mapping[str, Sequence[str]] | None = None) -> Recogniser:
@@ -38,7 +42,17 @@ class Recogniser:
         `rules`: replace those of the wording, or are added
         """
         every = {**recognised_rules(domain), **(rules or {})}
-        return cls({name: _trie(texts) for name, texts in every.items()})
+        tries = {name: _trie(texts) for name, texts in every.items()}
+        articles = () if domain.ordinals is None else domain.ordinals.articles
+        return cls(tries, domain.simplification, articles)
+
+    def command(self, words: Sequence[str]) -> bool:
+        """Whether the words, with group tokens, are a step or a command, also without those that it
+        can do without."""
+        readings = [words]
+        if self._simplification is not None:
+            readings.append(self._simplification.simplified(words, self._articles))
+        return any(self.step(each) or self.program(each) for each in readings)
 
     def step(self, words: Sequence[str]) -> bool:
         """Whether the words, with group tokens, are one step of a command: the first or a later

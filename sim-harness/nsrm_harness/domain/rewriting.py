@@ -9,7 +9,7 @@ The parser is not taught them.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,91 @@ from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS
 from nsrm_harness.domain.wording import ConceptWords, Identifier, Phrase
 
+#: Marks that may be left over where the words between two of them are left out.
+MARKS = (",", ".", ":", "!", "?")
 _RULE = re.compile(r"\{([a-z_]+)\}")
+
+
+@dataclass(frozen=True)
+class Taking:
+    """How something is said to be taken and put somewhere in fewer words than a command has."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words that only take an object, "take";
+    words: tuple[Phrase, ...]
+    #: words that say where it is put, and never where it is, "onto";
+    towards: tuple[Phrase, ...]
+    #: what is read in place of the former before the latter, "put";
+    order: Phrase
+    #: and where the object is not named again, "it".
+    object: Phrase
+
+
+@dataclass(frozen=True)
+class Simplification:
+    """What a refused sentence is read again without, and phrases that are then read as simpler
+    ones; an empty text for what is left out."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: At its beginning,
+    opening: Mapping[Phrase, Phrase]
+    #: at any place,
+    anywhere: Mapping[Phrase, Phrase]
+    #: and at its end.
+    closing: Mapping[Phrase, Phrase]
+    #: How an object is taken that is put somewhere.
+    taking: Taking | None = None
+
+    def texts(self) -> tuple[Mapping[Phrase, Phrase], ...]:
+        """All three lists."""
+        return self.opening, self.anywhere, self.closing
+
+    def simplified(self, words: Sequence[str], articles: Collection[str]) -> list[str]:
+        """What is left of a sentence: see ``nsrm_core::model::Simplification``.
+
+        What is taken is not read in other words here.
+        """
+        words, at = [*words], 0
+        while at < len(words):
+            found = self._longest(words, at)
+            if found is None:
+                at += 1
+                continue
+            length, read_as = found
+            words[at : at + length] = read_as.split()
+            if read_as:
+                at += len(read_as.split())
+                continue
+            before, behind = (words[each : each + 1] for each in (max(at - 1, 0), at))
+            if at == 0:
+                del words[: int(bool(behind) and behind[0] in MARKS)]
+            elif before[0] not in MARKS:
+                if behind == [","] and before[0] in articles:
+                    del words[at]
+            elif not behind or (before == [","] and behind[0] in MARKS and behind != [","]):
+                at -= 1
+                del words[at]
+            elif behind[0] in MARKS:
+                is_inside = before == behind == [","] and at > 1 and words[at - 2] in articles
+                at -= is_inside
+                del words[at : at + 1 + is_inside]
+            # A phrase may begin with the mark before.
+            at -= at > 0 and words[at - 1] in MARKS
+        return words
+
+    def _longest(self, words: Sequence[str], at: int) -> tuple[int, str] | None:
+        found: tuple[int, str] | None = None
+        for length in range(1, len(words) - at + 1):
+            text = " ".join(words[at : at + length])
+            if at == 0 and text in self.opening:
+                found = length, self.opening[text]
+            elif text in self.anywhere:
+                found = length, self.anywhere[text]
+            elif at + length == len(words) and text in self.closing:
+                found = length, self.closing[text]
+        return found
 
 
 @dataclass(frozen=True)
@@ -196,14 +280,35 @@ def rephrasing_of(table: Mapping[str, Any], source: str) -> dict[str, str] | Non
     """Each phrase of a wording file that is read as another one, and that one; nothing if there is
     none."""
     rules = table.get("rules", {})
+    phrases = {read_as: texts for read_as, texts in table.items() if read_as != "rules"}
+    return _phrases_of(phrases, rules, (source, "rephrasing")) or None
+
+
+def simplification_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
+    """What a wording file leaves out or reads in simpler words; nothing if that is nothing."""
+    rules, place = table.get("rules", {}), (source, "simplification")
+    lists: dict[str, Any] = {
+        key: _phrases_of(table.get(key, {}), rules, place)
+        for key in ("opening", "anywhere", "closing")
+    }
+    if taking := table.get("taking"):
+        lists["taking"] = taking
+    return lists if any(lists.values()) else None
+
+
+def _phrases_of(
+    phrases: Mapping[str, Iterable[str]],
+    rules: Mapping[str, list[str]],
+    place: tuple[str, str],
+) -> dict[str, str]:
+    """What is read as each of these phrases, with what it is read as."""
     read = {
         each: read_as
-        for read_as, texts in table.items()
-        if read_as != "rules"
+        for read_as, texts in phrases.items()
         for text in texts
-        for each in every_text(text, rules, (source, "rephrasing"))
+        for each in every_text(text, rules, place)
     }
-    return dict(sorted(read.items())) or None
+    return dict(sorted(read.items()))
 
 
 def sequence_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:

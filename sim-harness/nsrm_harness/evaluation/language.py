@@ -57,6 +57,7 @@ from nsrm_harness.data.seeds import generator
 from nsrm_harness.data.sequences import SequenceSentences
 from nsrm_harness.data.several import with_several
 from nsrm_harness.data.shifts import ShiftSentences
+from nsrm_harness.data.wordy import WordySentences
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import Speaker
@@ -107,6 +108,8 @@ SEQUENCE_COUNT = 2000
 """How many sentences of two steps in another order, and how many without any."""
 REPHRASED_COUNT = 2000
 """How many sentences in other phrases, and how many in which these order nothing."""
+WORDY_COUNT = 2000
+"""How many sentences with words that they can do without, and how many that order nothing."""
 EXCEPTION_COUNT = 2000
 """How many sentences with exceptions, and how many that have none."""
 DISTANCE_COUNT = 2000
@@ -169,6 +172,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_apart(domain, programs, seed)
     if domain.rephrasing:
         sets |= say_rephrased(domain, seed)
+    if domain.simplification is not None:
+        sets |= say_wordy(domain, seed)
     if domain.exceptions is not None:
         sets |= say_exceptions(domain, seed)
     if domain.repairs is not None:
@@ -235,6 +240,16 @@ def say_rephrased(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "other phrases": [sentences.draw() for _ in range(REPHRASED_COUNT)],
         "no orders": [(sentences.near_miss(), None) for _ in range(REPHRASED_COUNT)],
+    }
+
+
+def say_wordy(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`WORDY_COUNT` sentences with words that they can do without, and as many in which these order
+    nothing, by the name of their set."""
+    sentences = WordySentences(domain, generator(seed, "wordy", 0))
+    return {
+        "wordy": [sentences.draw() for _ in range(WORDY_COUNT)],
+        "no wordy orders": [(sentences.near_miss(), None) for _ in range(WORDY_COUNT)],
     }
 
 

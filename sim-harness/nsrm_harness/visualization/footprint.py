@@ -34,6 +34,7 @@ PARTS = {
         "placing",
         "several",
         "rephrasing",
+        "simplification",
         "exceptions",
         "repairs",
         "sequence",

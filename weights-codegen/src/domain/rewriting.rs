@@ -10,7 +10,35 @@ use super::{Domain, MAX_NAMES, at_most, not_empty, readable};
 use crate::error::ModelError;
 
 /// Phrases that are read as others; without them, all words are read as they stand.
-pub(super) type Rephrasing = BTreeMap<String, String>;
+pub(crate) type Rephrasing = BTreeMap<String, String>;
+
+/// What a refused sentence is read again without, and phrases that are then read as simpler ones; without them, it is
+/// not read again.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Simplification {
+    /// At its beginning.
+    pub opening: Rephrasing,
+    /// At any place.
+    pub anywhere: Rephrasing,
+    /// At its end.
+    pub closing: Rephrasing,
+    /// How an object is taken that is put somewhere.
+    #[serde(default)]
+    pub taking: Taking,
+}
+
+/// How something is said to be taken and put somewhere in fewer words than a command has.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Taking {
+    /// Words that only take an object.
+    pub words: BTreeSet<String>,
+    /// Words that say where it is put, and never where it is.
+    pub towards: BTreeSet<String>,
+    /// What is read in place of the former before the latter.
+    pub order: String,
+    /// What is read where the object is not named again.
+    pub object: String,
+}
 
 /// Words by which objects are left out of a description; without them, none is.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -161,20 +189,35 @@ impl Domain {
         }
     }
 
-    /// The first word of each phrase that is read as another one.
-    pub(crate) fn first_words_of_rephrasing(&self) -> BTreeSet<&str> {
-        let texts = self.rephrasing.keys();
-        texts.filter_map(|text| text.split(' ').next()).collect()
-    }
-
     /// Checks that phrases can be read, and are read as words of the domain.
     pub(super) fn check_rephrasing(&self) -> Result<(), ModelError> {
-        let mut said = self.rephrasing.keys().flat_map(|text| text.split(' '));
+        let Simplification {
+            opening,
+            anywhere,
+            closing,
+            taking,
+        } = &self.simplification;
+        let mut lists = [&self.rephrasing, opening, anywhere, closing].into_iter();
+        lists.try_for_each(|list| self.check_phrases(list))?;
+        let mut texts = taking.words.iter().chain(&taking.towards);
+        if let Some(word) = texts.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.clone() });
+        }
+        let words = self.words();
+        let mut read = [&taking.order, &taking.object].into_iter();
+        match read.find(|word| !taking.words.is_empty() && !words.contains(*word)) {
+            Some(word) => Err(ModelError::Rephrased { word: word.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_phrases(&self, list: &Rephrasing) -> Result<(), ModelError> {
+        let mut said = list.keys().flat_map(|text| text.split(' '));
         if let Some(word) = said.find(|word| !readable(word)) {
             return Err(ModelError::UnreadableWord { word: word.into() });
         }
         let words = self.words();
-        let read_as = self.rephrasing.values().filter(|text| !text.is_empty());
+        let read_as = list.values().filter(|text| !text.is_empty());
         let mut read_as = read_as.flat_map(|text| text.split(' '));
         match read_as.find(|word| !words.contains(*word)) {
             Some(word) => Err(ModelError::Rephrased { word: word.into() }),

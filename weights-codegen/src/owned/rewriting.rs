@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
-    Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText, Table,
+    Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText, Simplification,
+    Table, Taking,
 };
 
 use super::index;
@@ -36,6 +37,17 @@ pub(super) struct ArrangementParts<'a> {
 pub(super) struct RephrasingParts<'a> {
     said: Vec<Rephrased<'a>>,
     first_words: Vec<&'a str>,
+}
+
+/// What core reads as slices of [`Simplification`].
+pub(super) struct SimplificationParts<'a> {
+    opening: RephrasingParts<'a>,
+    anywhere: RephrasingParts<'a>,
+    closing: RephrasingParts<'a>,
+    words: Vec<&'a str>,
+    towards: Vec<&'a str>,
+    order: &'a str,
+    object: &'a str,
 }
 
 /// What core reads as slices of [`Sequence`].
@@ -153,13 +165,15 @@ impl<'a> ArrangementParts<'a> {
 }
 
 impl<'a> RephrasingParts<'a> {
-    pub(super) fn new(domain: &'a Domain) -> Self {
-        let said = domain.rephrasing.iter();
+    pub(super) fn new(phrases: &'a domain::Rephrasing) -> Self {
+        let first_words = phrases.keys().filter_map(|text| text.split(' ').next());
+        let first_words: BTreeSet<_> = first_words.collect();
+        let said = phrases.iter();
         let said =
             said.map(|(text, read_as)| Rephrased::new().with_text(text).with_read_as(read_as));
         Self {
             said: said.collect(),
-            first_words: domain.first_words_of_rephrasing().into_iter().collect(),
+            first_words: first_words.into_iter().collect(),
         }
     }
 
@@ -167,6 +181,35 @@ impl<'a> RephrasingParts<'a> {
         Rephrasing::new()
             .with_said(&self.said)
             .with_first_words(&self.first_words)
+    }
+}
+
+impl<'a> SimplificationParts<'a> {
+    pub(super) fn new(domain: &'a Domain) -> Self {
+        let simplification = &domain.simplification;
+        let taking = &simplification.taking;
+        Self {
+            opening: RephrasingParts::new(&simplification.opening),
+            anywhere: RephrasingParts::new(&simplification.anywhere),
+            closing: RephrasingParts::new(&simplification.closing),
+            words: taking.words.iter().map(String::as_str).collect(),
+            towards: taking.towards.iter().map(String::as_str).collect(),
+            order: &taking.order,
+            object: &taking.object,
+        }
+    }
+
+    pub(super) fn lent(&self) -> Simplification<'_> {
+        let taking = Taking::new()
+            .with_words(&self.words)
+            .with_towards(&self.towards)
+            .with_order(self.order)
+            .with_object(self.object);
+        Simplification::new()
+            .with_opening(self.opening.lent())
+            .with_anywhere(self.anywhere.lent())
+            .with_closing(self.closing.lent())
+            .with_taking(taking)
     }
 }
 

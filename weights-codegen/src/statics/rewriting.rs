@@ -5,6 +5,17 @@ use nsrm_core::model::Model;
 use super::{Static, table};
 use crate::tree::{Describe, Node};
 
+/// What is read as other words.
+fn phrases(said: &'static str, first_words: &'static str) -> Node {
+    Node::record(
+        "Rephrasing",
+        [
+            ("said", Node::Reference(said)),
+            ("first_words", Node::Reference(first_words)),
+        ],
+    )
+}
+
 /// The fields of the model's record.
 pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
     vec![
@@ -18,13 +29,27 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
                 ],
             ),
         ),
+        ("rephrasing", phrases("REPHRASED", "REPHRASED_FIRST_WORDS")),
         (
-            "rephrasing",
+            "simplification",
             Node::record(
-                "Rephrasing",
+                "Simplification",
                 [
-                    ("said", Node::Reference("REPHRASED")),
-                    ("first_words", Node::Reference("REPHRASED_FIRST_WORDS")),
+                    ("opening", phrases("OPENING_PHRASES", "OPENING_FIRST_WORDS")),
+                    ("anywhere", phrases("FILLERS", "FILLERS_FIRST_WORDS")),
+                    ("closing", phrases("CLOSING_PHRASES", "CLOSING_FIRST_WORDS")),
+                    (
+                        "taking",
+                        Node::record(
+                            "Taking",
+                            [
+                                ("words", Node::Reference("TAKING")),
+                                ("towards", Node::Reference("TAKEN_TOWARDS")),
+                                ("order", model.simplification.taking.order.describe()),
+                                ("object", model.simplification.taking.object.describe()),
+                            ],
+                        ),
+                    ),
                 ],
             ),
         ),
@@ -161,6 +186,54 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "rephrasing.first_words",
             "&str",
             model.rephrasing.first_words,
+        ),
+        table(
+            "OPENING_PHRASES",
+            "simplification.opening.said",
+            "Rephrased<'static>",
+            model.simplification.opening.said,
+        ),
+        table(
+            "OPENING_FIRST_WORDS",
+            "simplification.opening.first_words",
+            "&str",
+            model.simplification.opening.first_words,
+        ),
+        table(
+            "FILLERS",
+            "simplification.anywhere.said",
+            "Rephrased<'static>",
+            model.simplification.anywhere.said,
+        ),
+        table(
+            "FILLERS_FIRST_WORDS",
+            "simplification.anywhere.first_words",
+            "&str",
+            model.simplification.anywhere.first_words,
+        ),
+        table(
+            "CLOSING_PHRASES",
+            "simplification.closing.said",
+            "Rephrased<'static>",
+            model.simplification.closing.said,
+        ),
+        table(
+            "CLOSING_FIRST_WORDS",
+            "simplification.closing.first_words",
+            "&str",
+            model.simplification.closing.first_words,
+        ),
+        table(
+            "TAKING",
+            "simplification.taking.words",
+            "&str",
+            model.simplification.taking.words,
+        ),
+        table(
+            "TAKEN_TOWARDS",
+            "simplification.taking.towards",
+            "&str",
+            model.simplification.taking.towards,
         ),
         table(
             "EXCEPTIONS_PHRASES",

@@ -107,6 +107,7 @@ pub(crate) fn domain() -> Value {
             "plurals": {"jars": "jar"},
         },
         "rephrasing": {"is supposed to": "then", "do so": ""},
+        "simplification": {"opening": {"so": ""}, "anywhere": {"uh": "", "by then": "then"}, "closing": {"then": ""}, "taking": {"words": ["take", "lift"], "towards": ["onto"], "order": "shift", "object": "then"}},
         "exceptions": {"phrases": ["except for", "except"], "negations": ["that is not"]},
         "repairs": {"corrections": ["oh no", "no"], "exclusions": ["not"]},
         "sequence": {

@@ -247,6 +247,18 @@ fn phrases_that_cannot_be_read_or_are_read_as_no_words() {
     let word = "ought".into();
     assert_eq!(error, ModelError::Rephrased { word });
     refused_domain(
+        |domain| domain["simplification"]["closing"] = json!({"is to": "ought to"}),
+        &["\"ought\" is not a word of the domain"],
+    );
+    refused_domain(
+        |domain| domain["simplification"]["taking"]["object"] = json!("that"),
+        &["\"that\" is not a word of the domain"],
+    );
+    refused_domain(
+        |domain| domain["simplification"]["taking"]["words"] = json!(["Lift"]),
+        &["no sentence can contain"],
+    );
+    refused_domain(
         |domain| domain["rephrasing"] = json!({"Is to": ""}),
         &["no sentence can contain"],
     );

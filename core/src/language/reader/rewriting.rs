@@ -4,7 +4,7 @@ use super::Reader;
 use crate::language::Tokens;
 use crate::language::phrases::PhraseMatcher;
 use crate::language::sequence::StepEnd;
-use crate::language::tokens::{span_of, unclear};
+use crate::language::tokens::{join, span_of, unclear};
 use crate::model::Model;
 use crate::refusal::Refusal;
 
@@ -12,6 +12,10 @@ use crate::refusal::Refusal;
 /// looked at.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rewriting {
+    /// For what the sentence can do without.
+    Simplifying {
+        from: usize,
+    },
     /// For phrases that are read as others.
     Rephrasing {
         from: usize,
@@ -74,7 +78,7 @@ impl Twofold {
 }
 
 impl Reader {
-    /// Does a piece of rewriting: reads phrases as others, leaves out exceptions and what is taken back, puts steps in order, joins
+    /// Does a piece of rewriting: leaves out what a sentence can do without, reads phrases as others, leaves out exceptions and what is taken back, puts steps in order, joins
     /// values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
     /// arrangements and compounds, joins values that stand beside each other, then leaves out distances. False if all
     /// tokens have been looked at, and none is unknown.
@@ -84,6 +88,7 @@ impl Reader {
         }
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
+            Rewriting::Simplifying { from } => self.simplify(said, from)?,
             Rewriting::Rephrasing { from } => self.rephrase(said, from)?,
             Rewriting::Exceptions { from } => self.leave_exception_out(said, from)?,
             Rewriting::Repairs { from } => self.repair(said, from)?,
@@ -102,11 +107,67 @@ impl Reader {
         Ok(true)
     }
 
+    /// Leaves out the next words that the sentence can do without, or reads them in simpler ones, if there are any.
+    /// A sentence without any has been read before.
+    #[inline(never)]
+    fn simplify(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        let found = places.find_map(|at| said.simpler(&self.tokens, at));
+        let Some((words, read_as)) = found else {
+            self.rewriting = Rewriting::Rephrasing { from: 0 };
+            return self.is_simpler.then_some(()).ok_or(Refusal::NoWords);
+        };
+        self.is_simpler = true;
+        // "It" has the place of the word behind it.
+        let said_at = words.start..words.end.max(words.start.saturating_add(1));
+        let span = span_of(self.tokens.get(said_at).unwrap_or_default());
+        let span = span.ok_or(Refusal::InvalidModel)?;
+        let mut from = said.replace(&mut self.tokens, &words, read_as, span)?;
+        if read_as.is_empty()
+            && let Some(mark) = said.left_over(&self.tokens, from)
+        {
+            from = said.replace(&mut self.tokens, &mark, "", span)?;
+        }
+        if read_as.is_empty() {
+            self.join_neighbours(said, from)?;
+            // A phrase may begin with the mark before.
+            let before = from.saturating_sub(1);
+            if said.is_mark(&self.tokens, before) {
+                from = before;
+            }
+        }
+        self.rewriting = Rewriting::Simplifying { from };
+        Ok(())
+    }
+
+    /// Joins the groups before and behind a place, between which words were left out: "the big sized red block".
+    fn join_neighbours(
+        &mut self,
+        said: PhraseMatcher<'_, '_>,
+        behind: usize,
+    ) -> Result<(), Refusal> {
+        let Some(before) = behind.checked_sub(1) else {
+            return Ok(());
+        };
+        let pair = before..behind.saturating_add(1);
+        if let Some([first, second]) = self.tokens.get(pair.clone())
+            && first.filters().is_some()
+            && second
+                .filters()
+                .is_some_and(|second| second.choice().is_none())
+        {
+            let whole = join(said.model, first, second)?;
+            PhraseMatcher::resize(&mut self.tokens, &pair, 1, whole.span)?;
+            *self.tokens.get_mut(before).ok_or(Refusal::InvalidModel)? = whole;
+        }
+        Ok(())
+    }
+
     /// Reads the next phrase as another one, if there is one.
     #[inline(never)]
     fn rephrase(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
         let mut places = from..self.tokens.len();
-        let found = places.find_map(|at| said.rephrased(&self.tokens, at));
+        let found = places.find_map(|at| said.rephrased(&said.model.rephrasing, &self.tokens, at));
         self.rewriting = match found {
             None => Rewriting::Exceptions { from: 0 },
             Some((words, read_as)) => {

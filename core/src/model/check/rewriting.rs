@@ -6,7 +6,7 @@ mod tests;
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
     COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, MAX_SIDES, Model,
-    Ordinals, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table,
+    Ordinals, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table, Taking,
 };
 
 impl<'a> Model<'a> {
@@ -98,7 +98,32 @@ impl<'a> Model<'a> {
     }
 
     pub(super) fn check_rephrasing(&self) -> Result<(), ModelFault<'a>> {
-        let Rephrasing { said, first_words } = self.rephrasing;
+        let [opening, anywhere, closing] = self.simplification.lists();
+        let mut lists = [&self.rephrasing, opening, anywhere, closing].into_iter();
+        lists.try_for_each(|list| self.check_phrases(list))?;
+        self.check_taking()
+    }
+
+    fn check_taking(&self) -> Result<(), ModelFault<'a>> {
+        let Taking {
+            words,
+            towards,
+            order,
+            object,
+        } = self.simplification.taking;
+        let mut texts = [words, towards].into_iter();
+        if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            return Err(ModelFault::TakingText(text));
+        }
+        let read = [order, object].into_iter();
+        match self.first_unknown(read.filter(|_| !words.is_empty())) {
+            Some(text) => Err(ModelFault::RephrasedWord(text)),
+            None => Ok(()),
+        }
+    }
+
+    fn check_phrases(&self, list: &Rephrasing<'a>) -> Result<(), ModelFault<'a>> {
+        let Rephrasing { said, first_words } = *list;
         let texts = || said.iter().map(|said| said.text);
         let unsorted = first_unsorted(texts()).or(first_unsorted(first_words.iter().copied()));
         let begins = |text: &str| first_words.contains(&text.split(' ').next().unwrap_or_default());
@@ -296,6 +321,7 @@ impl<'a> Model<'a> {
         self.arrangements.openings.is_empty()
             && self.apart.phrases.is_empty()
             && self.rephrasing.is_empty()
+            && self.simplification.is_empty()
             && self.exceptions.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()

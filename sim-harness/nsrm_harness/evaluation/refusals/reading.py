@@ -53,7 +53,8 @@ class Reading:
         self._program = re.compile(f"(?:{commands})(?:{connective}(?:{commands}))*")
 
     def __call__(self, sentence: str) -> bool:
-        """Whether the sentence has the word order of a program, or is read in other words."""
+        """Whether the sentence has the word order of a program, or is read in other words or
+        fewer."""
         if means_rewritten(self._domain, sentence):
             return True
         if self._program.fullmatch(self._bones(split(sentence))) is not None:
@@ -64,7 +65,7 @@ class Reading:
             words = self._tokenizer(sentence).words
         except UnknownWordError:
             return False
-        return self._everyday.program(words)
+        return self._everyday.command(words)
 
     def _bones(self, words: Sequence[str]) -> str:
         return "".join(f"{word} " for word in words if word not in self._left_aside)

@@ -4,7 +4,7 @@ use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Count,
     CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, MAX_SIDES, Opening, Ordinals, Ranked,
-    Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Table,
+    Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Simplification, Table, Taking,
 };
 
 #[test]
@@ -239,6 +239,43 @@ fn each_fault_of_what_is_read_as_other_words_is_named() {
     };
     let first: &[&str] = &["is", "so"];
     assert_eq!(check(["is to", "so that"], "put", first), Ok(()));
+    let repeated = [Rephrased::new().with_text("so"); 2];
+    let list = Rephrasing::new()
+        .with_said(&repeated)
+        .with_first_words(&["so"]);
+    let none = Simplification::new();
+    let taking = Taking::new().with_order("put").with_object("the");
+    let words: &[&str] = &["grab", "take"];
+    for (taking, fault) in [
+        (
+            taking.with_words(&["take", "grab"]),
+            ModelFault::TakingText("grab"),
+        ),
+        (
+            taking.with_words(words).with_towards(&[""]),
+            ModelFault::TakingText(""),
+        ),
+        (
+            taking.with_words(words).with_order("toss"),
+            ModelFault::RephrasedWord("toss"),
+        ),
+        (
+            taking.with_words(words).with_object(""),
+            ModelFault::RephrasedWord(""),
+        ),
+    ] {
+        let simplification = none.with_taking(taking);
+        let checked = model.clone().with_simplification(simplification).check();
+        assert_eq!(checked, Err(fault));
+    }
+    for simplification in [
+        none.with_opening(list),
+        none.with_anywhere(list),
+        none.with_closing(list),
+    ] {
+        let checked = model.clone().with_simplification(simplification).check();
+        assert_eq!(checked, Err(ModelFault::Rephrased("so")));
+    }
     assert_eq!(check(["is to", "so that"], "", first), Ok(()));
     for (texts, first_words, named) in [
         (["so that", "is to"], first, "\"is to\", which is read"),

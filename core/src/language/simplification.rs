@@ -1,0 +1,257 @@
+//! What a sentence can do without: "um, so first, could you please put …" is also read as "put …".
+//!
+//! A sentence that is refused as it stands is read once more without words that change nothing, wherever they
+//! stand, and with simpler phrases in place of others. The network judges what is left as if it had been said;
+//! nothing is learned here: the model lists what is left out ([`crate::model::Simplification`]). The words say
+//! nothing of objects, actions, or the order of steps, so that what is then understood is what was said.
+
+use core::ops::Range;
+
+use super::phrases::PhraseMatcher;
+use super::{Token, TokenKind};
+
+/// Marks that may be left over where the words between two of them are left out.
+const MARKS: [&str; 5] = [",", ".", ":", "!", "?"];
+
+impl<'a> PhraseMatcher<'_, 'a> {
+    /// The longest phrase at a token that can be left out there or said in simpler words, and what is read in its place.
+    pub(super) fn simpler(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, &'a str)> {
+        let lists = self.model.simplification;
+        let opening = || self.rephrased(&lists.opening, tokens, at);
+        let closing = || self.rephrased(&lists.closing, tokens, at);
+        let opening = (at == 0).then(opening).flatten();
+        let anywhere = self.rephrased(&lists.anywhere, tokens, at);
+        let closing = closing().filter(|(said, _)| said.end == tokens.len());
+        let mut longest = opening;
+        for found in [anywhere, closing, self.taken(tokens, at)]
+            .into_iter()
+            .flatten()
+        {
+            if longest
+                .as_ref()
+                .is_none_or(|(said, _)| said.end < found.0.end)
+            {
+                longest = Some(found);
+            }
+        }
+        longest
+    }
+
+    /// What is read at a token that is about what is taken: "put" in place of "lift" in "lift the red block onto the
+    /// blue one", and "it" in "take the red block and put on the blue one".
+    fn taken(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, &'a str)> {
+        let taking = self.model.simplification.taking;
+        let is_taking = |token: &Token| self.is_one_of(taking.words, token);
+        let described = |tokens: &[Token]| tokens.iter().filter(|token| token.is_group()).count();
+        let (token, behind) = tokens.get(at..)?.split_first()?;
+        if is_taking(token) {
+            let towards = behind
+                .iter()
+                .position(|token| self.ends(token) || self.is_one_of(taking.towards, token))?;
+            let is_moved = self.is_one_of(taking.towards, behind.get(towards)?)
+                && described(behind.get(..towards)?) == 1;
+            return is_moved.then(|| (at..at.saturating_add(1), taking.order));
+        }
+        let (last, said) = tokens.get(..at)?.split_last()?;
+        let puts = |token: &Token| match token.kind {
+            TokenKind::Word(word) => self.model.placing.binary_search(&word).is_ok(),
+            _ => false,
+        };
+        let is_word = |token: &Token| matches!(token.kind, TokenKind::Word(_));
+        let names_nothing = is_word(token)
+            && !self.is_one_of(self.model.ordinals.articles, token)
+            && !self
+                .model
+                .pronouns
+                .iter()
+                .any(|pronoun| token.kind == TokenKind::Word(pronoun.word));
+        if !names_nothing || !puts(last) {
+            return None;
+        }
+        let verb = said
+            .iter()
+            .rposition(|token| is_taking(token) || puts(token))?;
+        let is_taken = said.get(verb).is_some_and(is_taking) && described(said.get(verb..)?) == 1;
+        is_taken.then(|| (at..at, taking.object))
+    }
+
+    /// The marks that are left over where words were left out before a token: one of two that they stood between, one at
+    /// the beginning or at the end, and commas behind an article: "the, um, red block".
+    pub(super) fn left_over(&self, tokens: &[Token], at: usize) -> Option<Range<usize>> {
+        let behind = at.saturating_add(1);
+        let (is_mark, ends) = (self.is_mark(tokens, at), at == tokens.len());
+        let Some(before) = at.checked_sub(1) else {
+            return is_mark.then_some(at..behind);
+        };
+        let is_comma = |index: usize| tokens.get(index).is_some_and(|token| self.is_comma(token));
+        let is_article = |index: Option<usize>| {
+            let token = index.and_then(|index| tokens.get(index));
+            token.is_some_and(|token| self.is_one_of(self.model.ordinals.articles, token))
+        };
+        if !self.is_mark(tokens, before) {
+            return (is_comma(at) && is_article(Some(before))).then_some(at..behind);
+        }
+        if ends || (is_comma(before) && is_mark && !is_comma(at)) {
+            return Some(before..at);
+        }
+        let is_inside = is_comma(before) && is_comma(at) && is_article(before.checked_sub(1));
+        let start = if is_inside { before } else { at };
+        is_mark.then_some(start..behind)
+    }
+
+    /// Whether a token is one of [`MARKS`].
+    pub(super) fn is_mark(&self, tokens: &[Token], at: usize) -> bool {
+        let token = tokens.get(at);
+        token.is_some_and(|token| MARKS.iter().any(|mark| self.is(token, mark)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::String;
+
+    use crate::fixture::{self, parse};
+    use crate::language::reader::Reading;
+    use crate::language::{Reader, TokenKind};
+    use crate::model::{Model, Pronoun, Rephrased, Rephrasing, Simplification, Taking};
+
+    const OPENING: [Rephrased<'static>; 2] = [
+        Rephrased::new().with_text("so"),
+        Rephrased::new().with_text("task 1"),
+    ];
+    const ANYWHERE: [Rephrased<'static>; 3] = [
+        Rephrased::new().with_text("belongs").with_read_as("right"),
+        Rephrased::new().with_text("task"),
+        Rephrased::new().with_text("um"),
+    ];
+    const CLOSING: [Rephrased<'static>; 2] = [
+        Rephrased::new().with_text("and that is it"),
+        Rephrased::new().with_text("right"),
+    ];
+
+    fn model() -> Model<'static> {
+        let mut model = fixture::with_compounds();
+        model.simplification = Simplification::new()
+            .with_opening(
+                Rephrasing::new()
+                    .with_said(&OPENING)
+                    .with_first_words(&["so", "task"]),
+            )
+            .with_anywhere(
+                Rephrasing::new()
+                    .with_said(&ANYWHERE)
+                    .with_first_words(&["belongs", "task", "um"]),
+            )
+            .with_closing(
+                Rephrasing::new()
+                    .with_said(&CLOSING)
+                    .with_first_words(&["and", "right"]),
+            );
+        assert_eq!(model.check(), Ok(()));
+        model
+    }
+
+    #[test]
+    fn what_changes_nothing_is_left_out_of_a_refused_sentence() {
+        let model = model();
+        let expected = parse(&model, "put red right green").unwrap();
+        for sentence in [
+            "um put um red um right green um",
+            "so put red right green",
+            "So, so, um: put red right green, um, and that is it.",
+            "task 1 put red right green",
+            "put red right the, um, green",
+            "put red right the um, green",
+            "put red, um, right green",
+            "put red belongs green",
+            "um put red belongs green right",
+        ] {
+            assert_eq!(
+                parse(&model, sentence).as_ref(),
+                Ok(&expected),
+                "{sentence}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_taken_is_not_named_again() {
+        let mut model = model();
+        let word = |text: &str| {
+            let found = model.words.iter().position(|word| word.text == text);
+            u16::try_from(found.unwrap()).unwrap()
+        };
+        let pronouns = [Pronoun {
+            word: word("the"),
+            owner: None,
+        }];
+        let placing = [word("put")];
+        model.simplification.taking = Taking::new()
+            .with_words(&["lift"])
+            .with_towards(&["right"])
+            .with_order("put")
+            .with_object("the");
+        model.pronouns = &pronouns;
+        model.placing = &placing;
+        assert_eq!(model.check(), Ok(()));
+        let right = parse(&model, "put red right green");
+        assert_eq!(parse(&model, "lift red right green"), right);
+        // "Lift" is unknown to this model, but "the" is read.
+        let tokens = |sentence| -> std::vec::Vec<String> {
+            let reading = Reading {
+                number: 0,
+                is_simplified: true,
+            };
+            let mut reader = Reader::nth(sentence, reading).unwrap();
+            while reader
+                .advance(&model, sentence)
+                .is_ok_and(|goes_on| goes_on)
+            {}
+            let read = reader.tokens().iter().map(|token| match token.kind {
+                TokenKind::Word(index) => model.words[usize::from(index)].text.into(),
+                _ => token.span.of(sentence).unwrap().into(),
+            });
+            read.collect()
+        };
+        for (sentence, read) in [
+            ("lift red put on green", "lift red put the on green"),
+            ("lift red , put on green", "lift red , put the on green"),
+            // It is named, or is another one.
+            ("lift red put green on", "lift red put green on"),
+            ("lift red put the on green", "lift red put the on green"),
+            ("put red put on green", "put red put on green"),
+            (
+                "lift red on green put on red",
+                "lift red on green put on red",
+            ),
+            ("lift red on green", "lift red on green"),
+        ] {
+            assert_eq!(tokens(sentence).join(" "), read);
+        }
+    }
+
+    #[test]
+    fn the_rest_must_make_sense() {
+        let model = model();
+        for (sentence, kind) in [
+            ("um put red right huge", "unknown_word"),
+            ("put red so right green", "unknown_word"),
+            ("put red right green um and that is it so", "unknown_word"),
+            ("um", "unknown_word"),
+            ("um put red", "unknown_word"),
+        ] {
+            assert_eq!(
+                parse(&model, sentence).unwrap_err().kind(),
+                kind,
+                "{sentence}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_sentence_that_makes_sense_is_read_as_it_stands() {
+        let model = model();
+        let said = "put red right green then put lego on right";
+        assert_eq!(parse(&model, said), parse(&fixture::with_compounds(), said));
+    }
+}
