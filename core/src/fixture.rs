@@ -306,6 +306,7 @@ pub(crate) fn model() -> Model<'static> {
         rephrasing: Rephrasing::new(),
         simplification: Simplification::new(),
         exceptions: Exceptions::new(),
+        lists: Lists::new(),
         repairs: Repairs::new(),
         sequence: Sequence::new(),
         distances: Distances::new(),

@@ -19,6 +19,7 @@ mod compound;
 mod distance;
 mod embeddings;
 mod exception;
+mod list;
 mod ordinal;
 mod repair;
 mod rephrasing;
@@ -31,6 +32,7 @@ pub use compound::{COMPOSED, Compound, CompoundKind, CompoundText, Compounds};
 pub use distance::{DistanceNumber, DistanceShift, DistanceUnit, Distances};
 pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use exception::Exceptions;
+pub use list::Lists;
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
 pub use repair::Repairs;
 pub use rephrasing::{Rephrased, Rephrasing};
@@ -111,6 +113,8 @@ pub struct Model<'a> {
     pub simplification: Simplification<'a>,
     /// How something is left out of a description.
     pub exceptions: Exceptions<'a>,
+    /// How several objects are listed that are moved.
+    pub lists: Lists<'a>,
     /// How something is taken back.
     pub repairs: Repairs<'a>,
     /// In which order steps are carried out that are said in another one.

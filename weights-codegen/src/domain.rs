@@ -19,7 +19,7 @@ pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
 use rewriting::{Apart, Exceptions, Repairs, Sequence, Simplification, Table};
-pub(crate) use rewriting::{ArrangedStep, Arrangements, Rephrasing};
+pub(crate) use rewriting::{ArrangedStep, Arrangements, Lists, Rephrasing};
 
 /// Keys of a relation of everyday wording that name rules.
 const RULE_NAMES: [&str; 4] = ["rule", "state", "related", "undescribed"];
@@ -72,6 +72,9 @@ pub struct Domain {
     /// How objects are left out of a description.
     #[serde(default)]
     pub exceptions: Exceptions,
+    /// How objects are listed that are moved.
+    #[serde(default)]
+    pub lists: Lists,
     /// How something is taken back.
     #[serde(default)]
     pub repairs: Repairs,

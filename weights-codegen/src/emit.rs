@@ -28,7 +28,7 @@ use nsrm_core::dsl::{Extreme, Property, Quantifier};
 use nsrm_core::model::{
     Action, Apart, Arrangement, Arrangements, Attribute, Closing, Compound, CompoundText,
     Compounds, Concept, Count, CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Distances,
-    Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Model, Opening, Ordinals,
+    Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Lists, Model, Opening, Ordinals,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText,
     Several, Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, View,
     ViewEncoder, Vision, Word, WorkSpace,

@@ -133,6 +133,12 @@ pub enum ModelError {
         /// The word.
         word: String,
     },
+    /// What is read between the steps of listed objects is no word of the domain.
+    #[error("domain: lists: {word:?} is not a word of the domain; add it to the grammar")]
+    Listed {
+        /// The word.
+        word: String,
+    },
     /// What is read where steps are put in order is no word of the domain.
     #[error("domain: sequence: {word:?} is not a word of the domain; add it to the grammar")]
     Sequence {

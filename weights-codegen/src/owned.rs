@@ -22,7 +22,7 @@ use crate::rounded::Rounded;
 use crate::tensors::Tensors;
 use distances::DistanceParts;
 use rewriting::{
-    ArrangementParts, CompoundParts, OrdinalParts, RephrasingParts, SequenceParts,
+    ArrangementParts, CompoundParts, ListParts, OrdinalParts, RephrasingParts, SequenceParts,
     SimplificationParts, TableParts,
 };
 
@@ -63,6 +63,7 @@ struct Parts<'a> {
     rephrasing: RephrasingParts<'a>,
     simplification: SimplificationParts<'a>,
     exceptions: [Vec<&'a str>; 2],
+    lists: ListParts<'a>,
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
     distances: DistanceParts<'a>,
@@ -181,6 +182,7 @@ impl OwnedModel {
                     .with_phrases(&parts.exceptions[0])
                     .with_negations(&parts.exceptions[1]),
             )
+            .with_lists(parts.lists.lent())
             .with_repairs(
                 Repairs::new()
                     .with_corrections(&parts.repairs[0])
@@ -283,6 +285,7 @@ impl<'a> Parts<'a> {
             simplification: SimplificationParts::new(domain),
             exceptions: [&domain.exceptions.phrases, &domain.exceptions.negations]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
+            lists: ListParts::new(&domain.lists),
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
             sequence: SequenceParts::new(domain),

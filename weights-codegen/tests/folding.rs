@@ -5,7 +5,7 @@ mod common;
 
 use common::{ACTIONS, CONCEPTS, LEXICON, ModelFile, RELATIONS, WORDS};
 use nsrm_core::dsl::Extreme;
-use nsrm_core::model::{CompoundKind, SequenceText, View};
+use nsrm_core::model::{CompoundKind, Rephrasing, SequenceText, View};
 use nsrm_core::nn::{Cell, Dense, Precision};
 
 /// Rounding of a sum in `f64` to `f32`, values below 10.
@@ -89,6 +89,9 @@ fn names_stand_with_their_parameters() {
     assert_eq!((lists.taking.order, lists.taking.object), ("shift", "then"));
     assert_eq!(model.exceptions.phrases, ["except", "except for"]);
     assert_eq!(model.exceptions.negations, ["that is not"]);
+    assert_eq!(model.lists.between, ["as well as"]);
+    assert_eq!(model.lists.them, ["both", "those"]);
+    assert_eq!(model.lists.next, ", then");
     assert_eq!(model.repairs.corrections, ["no", "oh no"]);
     assert_eq!(model.repairs.exclusions, ["not"]);
     let texts = |texts: &[SequenceText<'_>]| -> Vec<(String, String, bool)> {

@@ -6,8 +6,8 @@
 use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
+use super::plurals::Number;
 use super::tokens::Tokens;
-use super::words::find;
 use super::{Span, Token, TokenKind};
 use crate::dsl::{Filters, Property, Quantifier};
 use crate::refusal::Refusal;
@@ -34,13 +34,6 @@ pub(super) struct Excepted {
     /// Index of the description from which it is left out; of the noun, if that says nothing else.
     from: usize,
     filters: Filters,
-}
-
-/// A number of objects, as a noun says it.
-#[derive(Clone, Copy, PartialEq)]
-enum Number {
-    One,
-    Several,
 }
 
 impl PhraseMatcher<'_, '_> {
@@ -140,19 +133,6 @@ impl PhraseMatcher<'_, '_> {
             None | Some(Property::Quantifier(Quantifier::All))
         );
         (is_plain && !filters.concepts().is_empty()).then_some(filters)
-    }
-
-    /// Whether a token is a noun, and in which number.
-    fn number(&self, token: &Token) -> Option<Number> {
-        let nouns = self.model.ordinals.nouns;
-        if self.is_one_of(nouns, token) {
-            return Some(Number::One);
-        }
-        let plurals = self.model.several.plurals;
-        let (_, plural) = find(plurals, self.text(token), |plural| plural.text)?;
-        let word = self.model.words.get(usize::from(plural.word))?;
-        let is_noun = find(nouns, word.text, |noun| noun).is_some();
-        (!token.is_group() && is_noun).then_some(Number::Several)
     }
 
     /// Leaves the words of an exception out of the tokens; what is kept of it, and the index of the token behind

@@ -53,7 +53,8 @@ pub(super) struct Reading {
 /// to that of "the small red block"; what is counted from one side ([`crate::model::Ordinals`]), "the second red
 /// block from the left", becomes a part of its group; the table ([`crate::model::Table`]) is named where it is meant, "take the
 /// red block off the blue one"; the words of a tower or a row ([`crate::model::Arrangements`]) are replaced by those of its steps, and
-/// those of a compound ([`crate::model::Compound`]) by those of its first action; and those of a distance
+/// those of a compound ([`crate::model::Compound`]) by those of its first action, and those of listed objects
+/// ([`crate::model::Lists`]) by a step for each; and those of a distance
 /// ([`crate::model::Distances`]) are left out, once the whole sentence is read. Where they may mean something else, the
 /// sentence has two readings.
 ///

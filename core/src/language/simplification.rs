@@ -53,10 +53,6 @@ impl<'a> PhraseMatcher<'_, 'a> {
             return is_moved.then(|| (at..at.saturating_add(1), taking.order));
         }
         let (last, said) = tokens.get(..at)?.split_last()?;
-        let puts = |token: &Token| match token.kind {
-            TokenKind::Word(word) => self.model.placing.binary_search(&word).is_ok(),
-            _ => false,
-        };
         let is_word = |token: &Token| matches!(token.kind, TokenKind::Word(_));
         let names_nothing = is_word(token)
             && !self.is_one_of(self.model.ordinals.articles, token)
@@ -65,12 +61,12 @@ impl<'a> PhraseMatcher<'_, 'a> {
                 .pronouns
                 .iter()
                 .any(|pronoun| token.kind == TokenKind::Word(pronoun.word));
-        if !names_nothing || !puts(last) {
+        if !names_nothing || !self.puts(last) {
             return None;
         }
         let verb = said
             .iter()
-            .rposition(|token| is_taking(token) || puts(token))?;
+            .rposition(|token| is_taking(token) || self.puts(token))?;
         let is_taken = said.get(verb).is_some_and(is_taking) && described(said.get(verb..)?) == 1;
         is_taken.then(|| (at..at, taking.object))
     }

@@ -5,7 +5,7 @@ use super::{
     ACCEPTABILITY_HIDDEN, Action, Apart, Arrangement, Arrangements, Attribute, CONCEPT, Closing,
     Compound, CompoundKind, CompoundText, Compounds, Concept, Count, CountedFrom, DistanceNumber,
     DistanceShift, DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, Exceptions, HAZARD_INPUT,
-    Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry,
+    Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry, Lists,
     MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN,
     SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simplification, Simulator,
@@ -61,6 +61,7 @@ builder! {
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
         simplification, with_simplification: Simplification<'a> = Simplification::UNSET;
         exceptions, with_exceptions: Exceptions<'a> = Exceptions::UNSET;
+        lists, with_lists: Lists<'a> = Lists::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
         sequence, with_sequence: Sequence<'a> = Sequence::UNSET;
         distances, with_distances: Distances<'a> = Distances::UNSET;
@@ -170,6 +171,11 @@ builder! {
     ['a] Exceptions<'a> {
         phrases, with_phrases: &'a [&'a str] = &[];
         negations, with_negations: &'a [&'a str] = &[];
+    }
+    ['a] Lists<'a> {
+        between, with_between: &'a [&'a str] = &[];
+        them, with_them: &'a [&'a str] = &[];
+        next, with_next: &'a str = "";
     }
     ['a] Repairs<'a> {
         corrections, with_corrections: &'a [&'a str] = &[];

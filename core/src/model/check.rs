@@ -84,6 +84,12 @@ pub enum ModelFault<'a> {
     /// A word that is read in its place is none of the model's; the word.
     #[error("word \"{0}\", which is read in place of other words, isn't there")]
     RephrasedWord(&'a str),
+    /// What stands in a list of objects, or in their place, is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", which is said of listed objects, is empty, out of order or repeated")]
+    ListedText(&'a str),
+    /// A word that is read between the steps of listed objects is none of the model's; the word.
+    #[error("word \"{0}\", which is read between the steps of listed objects, isn't there")]
+    ListedWord(&'a str),
     /// A word that takes an object, or that says where one is then put, is empty, or not sorted and unique; the text.
     #[error("\"{0}\", by which an object is taken, is empty, out of order or repeated")]
     TakingText(&'a str),
@@ -303,6 +309,7 @@ impl<'a> Model<'a> {
         self.check_pronouns()?;
         self.check_several()?;
         self.check_rephrasing()?;
+        self.check_lists()?;
         self.check_exceptions()?;
         self.check_repairs()?;
         self.check_sequence()?;

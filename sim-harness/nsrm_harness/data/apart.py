@@ -10,6 +10,7 @@ import numpy as np
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.everyday import Speaker, everyday_of
 from nsrm_harness.domain.program import Program
+from nsrm_harness.domain.recogniser import means_list
 
 _T = TypeVar("_T")
 
@@ -35,9 +36,14 @@ class ApartSentences:
 
     def near_miss(self, program: Program) -> str | None:
         """The same with another value of the same type in place of one that stands apart."""
-        words = self._speaker.sentence(program)
-        told = self._taken_apart(words, is_wrong=True)
-        return " ".join(told) if told != words else None
+        while True:
+            words = self._speaker.sentence(program)
+            told = self._taken_apart(words, is_wrong=True)
+            if told == words:
+                return None
+            # "Put red and blue on green" lists two.
+            if not means_list(self._domain, sentence := " ".join(told)):
+                return sentence
 
     def _taken_apart(self, words: list[str], is_wrong: bool = False) -> list[str]:
         told: list[str] = []

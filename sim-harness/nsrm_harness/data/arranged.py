@@ -7,30 +7,24 @@ from itertools import pairwise
 
 import numpy as np
 
-from nsrm_harness.data.draws import Draws, Values
+from nsrm_harness.data.draws import ListDraws, Values
 from nsrm_harness.domain import Domain
 from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.recogniser import means_list
 from nsrm_harness.domain.rewriting import ArrangedStep, Arrangements, Pattern
 
-#: Number of objects in a list: at least and at most.
-LEAST, MOST = 2, 5
-#: Share of lists whose noun is said once, in the plural: "the red, green and blue blocks".
-PLURAL = 0.3
 #: Share of sentences with a further step behind the list.
 FOLLOWED = 0.3
-#: Ways to join the objects of a list: between them, and before the last one.
-JOINTS = ((" , ", " and "), (" , ", " , and "), (" , ", " , "), (" and ", " and "))
 
 
-class ArrangedSentences(Draws):
+class ArrangedSentences(ListDraws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
-        if domain.arrangements is None or domain.several is None:
+        if domain.arrangements is None:
             raise ValueError("the domain's wording has no towers and rows")
         super().__init__(domain, rng)
         self._said: Arrangements = domain.arrangements
-        self._nouns = [*domain.several.plurals]
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -47,6 +41,11 @@ class ArrangedSentences(Draws):
 
     def near_miss(self) -> str:
         """A sentence of the same words that must be refused."""
+        while means_list(self._domain, sentence := self._near_miss()):
+            pass
+        return sentence
+
+    def _near_miss(self) -> str:
         first, *others = self._objects()
         opening, closing, steps = self._around()
         one, listed = self._described(first), self._list((first, *others))
@@ -89,30 +88,6 @@ class ArrangedSentences(Draws):
 
     def _with(self, opening: str) -> list[Pattern]:
         return [each for each in self._said.patterns if opening in each.openings]
-
-    def _objects(self) -> tuple[Values, ...]:
-        """Descriptions of different objects."""
-        count, objects = int(self._rng.integers(LEAST, MOST + 1)), list[Values]()
-        while len(objects) < count:
-            values = self._values()
-            if all({*values} != {*other} for other in objects):
-                objects.append(values)
-        return tuple(objects)
-
-    def _list(self, objects: tuple[Values, ...]) -> list[str]:
-        if self._rng.random() < PLURAL:
-            *before, last = [" ".join(values) for values in objects]
-            items = [f"the {before[0]}", *before[1:], f"{last} {self._choose(self._nouns[2:])}"]
-        else:
-            items = [" ".join(self._described(values)) for values in objects]
-        between, before_last = JOINTS[int(self._rng.integers(len(JOINTS)))]
-        return f"{between.join(items[:-1])}{before_last}{items[-1]}".split()
-
-    def _described(self, values: Values) -> list[str]:
-        return self._speaker.words("{moved}", Step(self._domain.actions[0].name, values, ()))
-
-    def _before(self) -> list[str]:
-        return self._speaker.words("{before}")
 
     def _step(self) -> Step:
         action = self._choose([action.name for action in self._domain.actions])

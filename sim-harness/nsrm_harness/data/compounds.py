@@ -67,7 +67,7 @@ class CompoundSentences(Draws):
                 [*do, *one, said, also, *other],
                 [*do, *one, said, self._choose(NOTHING)],
                 [*do, *one, said, *other, "and", *further],
-                [*do, *one, "and", *other, said, *further],
+                [*do, *one, "nor", *other, said, *further],
                 [*do, *one, "at least two centimetres", said, *other],
                 [*do, *one, "away from", said, *other],
                 [*do, *one, said, *other, "upside down"],

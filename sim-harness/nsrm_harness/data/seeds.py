@@ -63,6 +63,7 @@ STREAMS = {
     "shifts": 97,
     "exceptions": 98,
     "wordy": 99,
+    "listed": 100,
 }
 
 

@@ -1,5 +1,5 @@
-"""Says commands with words that they can do without, "um, so first, could you please put …"; and near
-misses, in which such words order nothing, or others change what is said."""
+"""Says commands with words that they can do without, "um, so first, could you please put …"; and
+near misses, in which such words order nothing, or others change what is said."""
 
 from __future__ import annotations
 

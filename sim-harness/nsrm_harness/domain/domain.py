@@ -30,6 +30,7 @@ from nsrm_harness.domain.rewriting import (
     Apart,
     Arrangements,
     Exceptions,
+    Lists,
     Repairs,
     SequenceWords,
     Simplification,
@@ -292,6 +293,8 @@ class Domain:
     ]
     #: How objects are left out of a description.
     exceptions: Annotated[Exceptions | None, Field(default=None), BeforeValidator(_not_null)]
+    #: How several objects are listed that are moved.
+    lists: Annotated[Lists | None, Field(default=None), BeforeValidator(_not_null)]
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]
     #: In which order steps are carried out that are said in another one.
     sequence: Annotated[SequenceWords | None, Field(default=None), BeforeValidator(_not_null)]

@@ -52,7 +52,8 @@ PRONOUN = "[[it]]"
 #: Tables of a wording file that are not part of the everyday wording itself, beside `spelling`.
 TABLES = (
     "synonyms", "extremes", "pronouns", "several", "rephrasing", "simplification", "exceptions",
-    "repairs", "sequence", "distances", "apart", "ordinals", "arrangements", "table", "compounds",
+    "lists", "repairs", "sequence", "distances", "apart", "ordinals", "arrangements", "table",
+    "compounds",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -64,8 +65,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     words = read_toml(path, DomainError, "everyday wording")
     document, placing = _document(domain), words.pop("placing", [])
     (
-        synonyms, extremes, pronouns, several, rephrasing, simplification, exceptions, repairs,
-        sequence, distances, apart, ordinals, arrangements, table, compounds,
+        synonyms, extremes, pronouns, several, rephrasing, simplification, exceptions, lists,
+        repairs, sequence, distances, apart, ordinals, arrangements, table, compounds,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -87,6 +88,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["several"] = several
     if exceptions := exceptions_of(exceptions, str(path)):
         document["exceptions"] = exceptions
+    if lists:
+        document["lists"] = lists
     if repairs := repairs_of(repairs, str(path)):
         document["repairs"] = repairs
     if sequence := sequence_of(sequence, str(path)):

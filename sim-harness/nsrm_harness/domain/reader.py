@@ -112,8 +112,8 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _repairs, _sequence,
-        _distances, _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _lists, _repairs,
+        _sequence, _distances, _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -339,6 +339,18 @@ def _exceptions(domain: Domain) -> Faults:
     said = domain.exceptions
     if said is not None and not all((*said.phrases, *said.negations)):
         yield "exceptions", "expected words: remove the empty string"
+
+
+def _lists(domain: Domain) -> Faults:
+    """Objects are listed in words, and their steps joined by those of the grammar."""
+    said = domain.lists
+    if said is None:
+        return
+    if not all((*said.between, *said.them, said.next)):
+        yield "lists", "expected words: remove the empty string"
+    for word in said.next.split(" "):
+        if word and word not in domain.other_words():
+            yield "lists.next", f"{word!r} is not a word of the grammar"
 
 
 def _repairs(domain: Domain) -> Faults:

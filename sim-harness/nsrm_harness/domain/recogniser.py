@@ -132,10 +132,26 @@ def means_compound(domain: Domain, sentence: str) -> bool:
     )
 
 
+def means_list(domain: Domain, sentence: str) -> bool:
+    """Whether a sentence may list objects that are moved: two descriptions with a word in between
+    that joins them, behind a word that puts or takes something."""
+    if domain.lists is None or domain.simplification is None or domain.ordinals is None:
+        return False
+    taking = domain.simplification.taking
+    verbs = {*domain.placing, *(taking.words if taking is not None else ()), "up"}
+    articles, values = "|".join(domain.ordinals.articles), {*domain.group_words(), GROUP_TOKEN}
+    spaced = " ".join("{}" if word in values else word for word in split(sentence))
+    nouns = "|".join(everyday_of(domain).rules["noun"])
+    item = rf"(?:(?:{articles}) )?{{}}(?: {{}})*(?: (?:{nouns}))?"
+    between = "|".join(domain.lists.between)
+    listed = rf"{item}(?: , {item})*(?: ,)? (?:{between}) {item} "
+    return any(re.search(rf"(?:^| ){verb} {listed}", f"{spaced} ") for verb in verbs)
+
+
 def means_rewritten(domain: Domain, sentence: str) -> bool:
     """Whether a sentence of known words may mean what the core reads in other words: a compound,
-    what is taken from another object, steps in another order, or another phrase."""
-    meant = (means_compound, _means_source, _means_sequence, _means_rephrased)
+    a list, what is taken from another object, steps in another order, or another phrase."""
+    meant = (means_compound, means_list, _means_source, _means_sequence, _means_rephrased)
     return any(means(domain, sentence) for means in meant)
 
 

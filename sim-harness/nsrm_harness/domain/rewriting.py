@@ -117,6 +117,20 @@ class Exceptions:
 
 
 @dataclass(frozen=True)
+class Lists:
+    """How several objects are listed that are moved."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: Words between two of them, with or without a comma before: "and";
+    between: tuple[Phrase, ...]
+    #: what they are called where they were taken before: "them";
+    them: tuple[Phrase, ...]
+    #: and what is read between two steps: ", then".
+    next: Phrase
+
+
+@dataclass(frozen=True)
 class Repairs:
     """Words by which a speaker takes a description back, or rules one out."""
 

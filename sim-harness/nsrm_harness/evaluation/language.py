@@ -46,6 +46,7 @@ from nsrm_harness.data.distances import DistanceSentences
 from nsrm_harness.data.exceptions import ExceptionSentences
 from nsrm_harness.data.file import Demonstrations
 from nsrm_harness.data.ground_truth import GroundTruth
+from nsrm_harness.data.listed import ListedSentences
 from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.on_table import TableSentences
@@ -110,6 +111,8 @@ REPHRASED_COUNT = 2000
 """How many sentences in other phrases, and how many in which these order nothing."""
 WORDY_COUNT = 2000
 """How many sentences with words that they can do without, and how many that order nothing."""
+LIST_COUNT = 2000
+"""How many sentences that list what is moved, and how many that list nothing so."""
 EXCEPTION_COUNT = 2000
 """How many sentences with exceptions, and how many that have none."""
 DISTANCE_COUNT = 2000
@@ -174,6 +177,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_rephrased(domain, seed)
     if domain.simplification is not None:
         sets |= say_wordy(domain, seed)
+    if domain.lists is not None:
+        sets |= say_lists(domain, seed)
     if domain.exceptions is not None:
         sets |= say_exceptions(domain, seed)
     if domain.repairs is not None:
@@ -250,6 +255,16 @@ def say_wordy(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "wordy": [sentences.draw() for _ in range(WORDY_COUNT)],
         "no wordy orders": [(sentences.near_miss(), None) for _ in range(WORDY_COUNT)],
+    }
+
+
+def say_lists(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`LIST_COUNT` sentences that list what is moved, and as many that list nothing so, by the name
+    of their set."""
+    sentences = ListedSentences(domain, generator(seed, "listed", 0))
+    return {
+        "lists": [sentences.draw() for _ in range(LIST_COUNT)],
+        "no lists": [(sentences.near_miss(), None) for _ in range(LIST_COUNT)],
     }
 
 

@@ -36,6 +36,7 @@ PARTS = {
         "rephrasing",
         "simplification",
         "exceptions",
+        "lists",
         "repairs",
         "sequence",
         "distances",

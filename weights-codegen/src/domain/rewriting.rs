@@ -49,6 +49,17 @@ pub struct Exceptions {
     pub negations: BTreeSet<String>,
 }
 
+/// How objects are listed that are moved; without it, none are.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Lists {
+    /// Words between two of them, beside commas.
+    pub between: BTreeSet<String>,
+    /// What they are called where they were taken before.
+    pub them: BTreeSet<String>,
+    /// What is read between two steps.
+    pub next: String,
+}
+
 /// Words by which something is taken back; without them, nothing is.
 #[derive(Debug, Clone, Default, Deserialize)]
 pub struct Repairs {
@@ -181,10 +192,16 @@ impl Domain {
             exclusions,
         } = &self.repairs;
         let excepted = phrases.iter().chain(negations);
-        let said = excepted.chain(corrections).chain(exclusions);
+        let listed = self.lists.between.iter().chain(&self.lists.them);
+        let said = excepted.chain(listed).chain(corrections).chain(exclusions);
         let mut words = said.flat_map(|text| text.split(' '));
-        match words.find(|word| !readable(word)) {
-            Some(word) => Err(ModelError::UnreadableWord { word: word.into() }),
+        if let Some(word) = words.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.into() });
+        }
+        let words = self.words();
+        let mut next = self.lists.next.split(' ').filter(|word| !word.is_empty());
+        match next.find(|word| !words.contains(*word)) {
+            Some(word) => Err(ModelError::Listed { word: word.into() }),
             None => Ok(()),
         }
     }

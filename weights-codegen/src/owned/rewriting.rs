@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
-    Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText, Simplification,
-    Table, Taking,
+    Lists, Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText,
+    Simplification, Table, Taking,
 };
 
 use super::index;
@@ -48,6 +48,13 @@ pub(super) struct SimplificationParts<'a> {
     towards: Vec<&'a str>,
     order: &'a str,
     object: &'a str,
+}
+
+/// What core reads as slices of [`Lists`].
+pub(super) struct ListParts<'a> {
+    between: Vec<&'a str>,
+    them: Vec<&'a str>,
+    next: &'a str,
 }
 
 /// What core reads as slices of [`Sequence`].
@@ -210,6 +217,23 @@ impl<'a> SimplificationParts<'a> {
             .with_anywhere(self.anywhere.lent())
             .with_closing(self.closing.lent())
             .with_taking(taking)
+    }
+}
+
+impl<'a> ListParts<'a> {
+    pub(super) fn new(lists: &'a domain::Lists) -> Self {
+        Self {
+            between: lists.between.iter().map(String::as_str).collect(),
+            them: lists.them.iter().map(String::as_str).collect(),
+            next: &lists.next,
+        }
+    }
+
+    pub(super) fn lent(&self) -> Lists<'_> {
+        Lists::new()
+            .with_between(&self.between)
+            .with_them(&self.them)
+            .with_next(self.next)
     }
 }
 

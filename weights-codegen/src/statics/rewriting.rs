@@ -64,6 +64,17 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
             ),
         ),
         (
+            "lists",
+            Node::record(
+                "Lists",
+                [
+                    ("between", Node::Reference("LISTED_BETWEEN")),
+                    ("them", Node::Reference("LISTED_THEM")),
+                    ("next", model.lists.next.describe()),
+                ],
+            ),
+        ),
+        (
             "repairs",
             Node::record(
                 "Repairs",
@@ -247,6 +258,13 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "&str",
             model.exceptions.negations,
         ),
+        table(
+            "LISTED_BETWEEN",
+            "lists.between",
+            "&str",
+            model.lists.between,
+        ),
+        table("LISTED_THEM", "lists.them", "&str", model.lists.them),
         table(
             "REPAIRS_CORRECTIONS",
             "repairs.corrections",

@@ -50,6 +50,14 @@ pub(super) enum Rewriting {
     Compounds {
         from: usize,
     },
+    /// For listed objects.
+    Lists {
+        from: usize,
+    },
+    /// For plurals.
+    Plurals {
+        from: usize,
+    },
     /// For values directly beside each other.
     Beside {
         from: usize,
@@ -80,7 +88,7 @@ impl Twofold {
 impl Reader {
     /// Does a piece of rewriting: leaves out what a sentence can do without, reads phrases as others, leaves out exceptions and what is taken back, puts steps in order, joins
     /// values that stand apart, adds to descriptions what is counted, names the table where it is meant, replaces
-    /// arrangements and compounds, joins values that stand beside each other, then leaves out distances. False if all
+    /// arrangements, compounds and lists, joins values that stand beside each other, then leaves out distances. False if all
     /// tokens have been looked at, and none is unknown.
     pub(super) fn rewrite(&mut self, model: &Model<'_>, sentence: &str) -> Result<bool, Refusal> {
         if self.tokens.is_empty() || model.has_no_rewriting() {
@@ -100,6 +108,8 @@ impl Reader {
             Rewriting::Compounds { from } => {
                 self.rewriting = self.replace_compound(said, from)?;
             }
+            Rewriting::Lists { from } => self.write_list(said, from)?,
+            Rewriting::Plurals { from } => self.read_plural(said, from)?,
             Rewriting::Beside { from } => self.join(said, from, true)?,
             Rewriting::Distances { from } => self.leave_out_distance(said, from)?,
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
@@ -350,13 +360,55 @@ impl Reader {
         let mut places = from..self.tokens.len();
         let meant = places.find_map(|at| said.compound(&self.tokens, at));
         let Some(meant) = meant else {
-            return Ok(Rewriting::Beside { from: 0 });
+            return Ok(Rewriting::Lists { from: 0 });
         };
         let mut from = meant.behind();
         if meant.is_sure || self.chooses(Twofold::Compounds) {
             from = said.replace_compound(&mut self.tokens, &meant)?;
         }
         Ok(Rewriting::Compounds { from })
+    }
+
+    /// Replaces the next list of objects by its steps, if there is one. Where all its words are known, the sentence
+    /// has two readings.
+    #[inline(never)]
+    fn write_list(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        if said.model.lists.is_empty() {
+            places.start = places.end;
+        }
+        self.rewriting = match places.find_map(|at| said.list(&self.tokens, at)) {
+            None => Rewriting::Plurals { from: 0 },
+            Some(found) if self.unknown().is_none() && self.choose(2) != Some(1) => {
+                let from = found.behind();
+                Rewriting::Lists { from }
+            }
+            Some(found) => {
+                let from = said.write_list(&mut self.tokens, &found)?;
+                Rewriting::Lists { from }
+            }
+        };
+        Ok(())
+    }
+
+    /// Reads the next plural with an article as all of them, if there is one.
+    fn read_plural(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        let mut places = match self.unknown() {
+            // Plurals are unknown words.
+            Some(_) => from..self.tokens.len(),
+            None => 0..0,
+        };
+        let found = places.find_map(|at| Some((at, said.all_of(&self.tokens, at)?)));
+        self.rewriting = match found {
+            None => Rewriting::Beside { from: 0 },
+            Some((at, all)) => {
+                PhraseMatcher::put_all_of(&mut self.tokens, at, all)?;
+                Rewriting::Plurals {
+                    from: at.saturating_add(1),
+                }
+            }
+        };
+        Ok(())
     }
 
     /// Leaves out the words of the next distance, if there is one, and keeps what they say.

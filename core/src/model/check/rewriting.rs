@@ -5,7 +5,7 @@ mod tests;
 
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
-    COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, MAX_SIDES, Model,
+    COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, Lists, MAX_SIDES, Model,
     Ordinals, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table, Taking,
 };
 
@@ -93,6 +93,22 @@ impl<'a> Model<'a> {
         let mut texts = [corrections, exclusions].into_iter();
         match texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
             Some(text) => Err(ModelFault::RepairText(text)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_lists(&self) -> Result<(), ModelFault<'a>> {
+        let Lists {
+            between,
+            them,
+            next,
+        } = self.lists;
+        let mut texts = [between, them].into_iter();
+        if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            return Err(ModelFault::ListedText(text));
+        }
+        match self.first_unknown(Some(next).filter(|next| !next.is_empty()).into_iter()) {
+            Some(text) => Err(ModelFault::ListedWord(text)),
             None => Ok(()),
         }
     }
@@ -323,6 +339,7 @@ impl<'a> Model<'a> {
             && self.rephrasing.is_empty()
             && self.simplification.is_empty()
             && self.exceptions.is_empty()
+            && self.lists.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()
             && self.distances.is_empty()
