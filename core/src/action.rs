@@ -58,7 +58,7 @@ pub fn simulate(
 
 /// [`simulate`] for an action, or for one after the other of a compound's: in front and to the left is what
 /// is in front of the place to the left. `None` for an index that is none of them, and for a compound of
-/// the kind [`CompoundKind::Any`], which leads to no single place.
+/// the kind [`CompoundKind::Any`], which leads to no single place, or [`CompoundKind::Between`], which has two references.
 ///
 /// * `action`: as of [`crate::dsl::Step::action`]
 ///

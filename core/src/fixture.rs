@@ -521,6 +521,38 @@ pub(crate) fn with_compounds() -> Model<'static> {
     model
 }
 
+/// [`with_distances`], in which "amid" puts between two, or is a relation behind "the": "amid green and lego".
+pub(crate) fn with_between() -> Model<'static> {
+    let mut model = with_distances();
+    let of = |name| Compound {
+        name,
+        phrase: "between",
+        kind: CompoundKind::Between,
+        parts: &[1],
+        read: if name == "Amid" { "right" } else { "beside" },
+    };
+    let compounds = model.compounds.compounds.iter().copied();
+    let compounds: Vec<_> = compounds.chain([of("Amid"), of("IsAmid")]).collect();
+    let said = [("amid", 4), ("amidst", 5)].map(|(text, compound)| CompoundText { text, compound });
+    let said: Vec<_> = said
+        .into_iter()
+        .chain(model.compounds.said.iter().copied())
+        .collect();
+    let first_words = ["amid", "amidst"].into_iter();
+    let first_words: Vec<_> = first_words
+        .chain(model.compounds.first_words.iter().copied())
+        .collect();
+    model.compounds = model
+        .compounds
+        .with_compounds(Box::leak(compounds.into()))
+        .with_said(Box::leak(said.into()))
+        .with_first_words(Box::leak(first_words.into()));
+    model.lists = Lists::new().with_between(&["and"]).with_next("then");
+    model.ordinals = Ordinals::new().with_articles(&["the"]);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
 /// [`with_compounds`], with distances beside what is put.
 pub(crate) fn with_distances() -> Model<'static> {
     let units = [("cm", 10.0), ("inches", 25.4), ("mm", 1.0)];

@@ -111,6 +111,21 @@ pub fn relate(
     towards(model, viewpoint, object, &put, anchor)
 }
 
+/// How clearly an object lies between two others: −1 where both lie in the same direction from it, 1 on the line from one
+/// to the other; as [`relate`] otherwise.
+///
+/// Cost: three deprojections and two square roots.
+pub fn between(
+    model: &Model<'_>,
+    viewpoint: &Viewpoint<'_>,
+    object: &[f32; LOCATION],
+    anchors: [&[f32; LOCATION]; 2],
+) -> Option<f32> {
+    let origin = centre(model, viewpoint, object);
+    let directions = anchors.map(|anchor| (centre(model, viewpoint, anchor) - origin).into());
+    Some(cosine(directions)?.map_or(-1.0, |cosine| -cosine))
+}
+
 /// The cosine between the directions from an anchor to an object, and to where it would be put.
 fn towards(
     model: &Model<'_>,
@@ -120,21 +135,24 @@ fn towards(
     anchor: &[f32; LOCATION],
 ) -> Option<f32> {
     // An angle is the same in the camera's frame and in the world's.
-    let centre = |location| centre(model, viewpoint, location);
-    let origin = centre(anchor);
-    let would_be: [f32; 3] = (centre(put) - origin).into();
-    let is: [f32; 3] = (centre(object) - origin).into();
-    let lengths = [would_be, is].map(|vector| length(&vector));
+    let origin = centre(model, viewpoint, anchor);
+    let directions = [put, object].map(|end| (centre(model, viewpoint, end) - origin).into());
+    Some(cosine(directions)?.unwrap_or(-1.0))
+}
+
+/// The cosine between two directions; `None` within if one of them has no length, and without if it is not finite.
+fn cosine(directions: [[f32; 3]; 2]) -> Option<Option<f32>> {
+    let lengths = directions.map(|direction| length(&direction));
     if !lengths.iter().all(|length| length.is_finite()) {
         return None;
     }
     if lengths.iter().any(|length| *length < LEAST_LENGTH_M) {
-        return Some(-1.0);
+        return Some(None);
     }
-    let [would_be_m, is_m] = lengths;
+    let ([one, other], [one_m, other_m]) = (directions, lengths);
     // One after the other: their product may overflow.
-    let cosine = dot(&would_be.map(|x| x / would_be_m), &is.map(|x| x / is_m));
-    cosine.is_finite().then_some(cosine)
+    let cosine = dot(&one.map(|x| x / one_m), &other.map(|x| x / other_m));
+    cosine.is_finite().then_some(Some(cosine))
 }
 
 /// How clearly an object is next to an anchor; `None` if a number is not finite.

@@ -202,7 +202,7 @@ def change(edit: Callable[[dict[str, Any]], object], path: Path) -> Path:
         ),
         (
             lambda w: w["compounds"]["made"][0].update(all=["MoveRight", "MoveLeft"]),
-            "MoveNextTo: expected either any or all",
+            "MoveNextTo: expected one of any, all and between",
         ),
         (
             lambda w: w["compounds"]["made"][0].update(name="MoveOn"),

@@ -118,6 +118,7 @@ fn compounds(model: &Model<'_>) -> Vec<Value> {
             "name": compound.name,
             "is": match compound.kind {
                 CompoundKind::All => "all",
+                CompoundKind::Between => "between",
                 _ => "any",
             },
             "of": parts.collect::<Vec<_>>(),

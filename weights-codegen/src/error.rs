@@ -209,7 +209,8 @@ pub enum ModelError {
     },
     /// A compound has both `any` and `all`, or `all` of another number of actions.
     #[error(
-        "domain: compounds: {name:?} must have `any` with some actions or `all` of {COMPOSED}, and not both"
+        "domain: compounds: {name:?} must have `any` with some actions, `all` of {COMPOSED}, or `between` with one, and \
+         only one of these"
     )]
     CompoundParts {
         /// Its name.

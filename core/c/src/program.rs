@@ -107,6 +107,8 @@ pub enum RelationKind {
     Nearest = 1,
     /// It is the farthest from the other object, of all that fit.
     Farthest = 2,
+    /// None: the other object is a further reference, of what is put or lies between two.
+    And = 3,
 }
 
 /// A relation to another object: "left of the yellow one".
@@ -239,6 +241,7 @@ impl From<&dsl::Description> for Description {
                 dsl::RelationKind::Action(action) => (RelationKind::Action, action.into()),
                 dsl::RelationKind::Nearest => (RelationKind::Nearest, 0),
                 dsl::RelationKind::Farthest => (RelationKind::Farthest, 0),
+                dsl::RelationKind::And => (RelationKind::And, 0),
             };
             *place = Relation {
                 kind: kind as u32,

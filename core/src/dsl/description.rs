@@ -18,26 +18,30 @@ pub enum RelationKind {
     Nearest,
     /// Of the objects that fit the filters, it is clearly the farthest from the anchor.
     Farthest,
+    /// None: the anchor is a further reference, of what is put or lies between two.
+    And,
 }
 
 impl RelationKind {
     /// The name in JSON and in the notation: that of the action, `"?"` for an invalid index,
-    /// `Nearest` or `Farthest`.
+    /// `Nearest`, `Farthest` or `And`.
     pub fn name<'a>(self, model: &Model<'a>) -> &'a str {
         match self {
             Self::Action(action) => action_name(model, action),
             Self::Nearest => "Nearest",
             Self::Farthest => "Farthest",
+            Self::And => "And",
         }
     }
 
-    /// How a person says it: the phrase of the action, `"?"` for an invalid index, `nearest to` or
-    /// `farthest from`.
+    /// How a person says it: the phrase of the action, `"?"` for an invalid index, `nearest to`,
+    /// `farthest from`, or `and`.
     pub fn phrase<'a>(self, model: &Model<'a>) -> &'a str {
         match self {
             Self::Action(action) => action_phrase(model, action),
             Self::Nearest => "nearest to",
             Self::Farthest => "farthest from",
+            Self::And => "and",
         }
     }
 }
@@ -249,6 +253,7 @@ mod tests {
         for (kind, own, expected) in [
             (RelationKind::Nearest, &[0][..], "red nearest to green"),
             (RelationKind::Farthest, &[], "what is farthest from green"),
+            (RelationKind::And, &[0], "red and green"),
         ] {
             let mut description = Description::of(filters(own));
             let to = filters(&[1]);

@@ -276,6 +276,7 @@ mod tests {
             (RelationKind::Action(7), "?"),
             (RelationKind::Nearest, "Nearest"),
             (RelationKind::Farthest, "Farthest"),
+            (RelationKind::And, "And"),
         ] {
             let mut object = Description::new();
             let to = filters(&[1]);

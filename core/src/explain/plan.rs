@@ -1,6 +1,6 @@
 use core::fmt;
 
-use crate::dsl::{Description, Filters, action_phrase};
+use crate::dsl::{Description, Filters, RelationKind, action_phrase};
 use crate::language::Correction;
 use crate::model::Model;
 use crate::planner::{Grounding, Plan};
@@ -89,7 +89,11 @@ impl StepExplanation<'_> {
         }
         for relation in description.relations() {
             let phrase = relation.kind.phrase(self.model);
-            write!(f, " that is {phrase} ")?;
+            let lead = match relation.kind {
+                RelationKind::And => "",
+                _ => "that is ",
+            };
+            write!(f, " {lead}{phrase} ")?;
             self.noun(&relation.to, f)?;
         }
         let Grounding { object, score, .. } = grounding;

@@ -7,10 +7,12 @@
 
 use core::ops::Range;
 
+use super::lists::{Pair, single};
 use super::phrases::PhraseMatcher;
-use super::tokens::{Tokens, span_of};
+use super::tokens::{Kept, Tokens, span_of};
 use super::words::find;
-use super::{Token, TokenKind};
+use super::{Span, Token, TokenKind};
+use crate::dsl::Quantifier;
 use crate::model::{Compound, CompoundKind};
 use crate::refusal::Refusal;
 
@@ -22,9 +24,16 @@ pub(super) struct Meant<'a> {
     compound: &'a Compound<'a>,
     /// Whether they mean nothing else: one of them is unknown.
     pub(super) is_sure: bool,
+    /// Behind "between", the two that follow.
+    pair: Option<Pair>,
 }
 
 impl Meant<'_> {
+    /// Whether two objects follow, between which something is.
+    pub(super) const fn is_pair(&self) -> bool {
+        self.pair.is_some()
+    }
+
     /// Index of the token behind them.
     pub(super) const fn behind(&self) -> usize {
         self.said.end
@@ -49,13 +58,32 @@ impl<'a> PhraseMatcher<'_, 'a> {
         if compound.kind == CompoundKind::Any && self.names_side(tokens, &said) {
             return None;
         }
+        let pair = match compound.kind {
+            CompoundKind::Between if self.names_both(tokens, said.end) => None,
+            CompoundKind::Between => Some(self.pair(tokens, said.end)?),
+            _ => None,
+        };
         let mut words = tokens.get(said.clone())?.iter();
         Some(Meant {
+            pair,
             said,
             index: u8::try_from(self.model.actions.len().checked_add(index)?).ok()?,
             compound,
             is_sure: words.any(|token| token.kind == TokenKind::Unknown),
         })
+    }
+
+    /// Whether two objects that look alike are described at a token, "both red ones" or "the two red ones".
+    fn names_both(&self, tokens: &[Token], at: usize) -> bool {
+        let articles = self.model.ordinals.articles;
+        let has_article = tokens
+            .get(at)
+            .is_some_and(|token| self.is_one_of(articles, token));
+        let group = at.saturating_add(usize::from(has_article));
+        let filters = tokens.get(group).and_then(Token::filters);
+        let is_both = filters.is_some_and(|group| group.quantifier() == Some(Quantifier::Both));
+        // "Between both the red and the blue one".
+        is_both && self.pair(tokens, at).is_none()
     }
 
     /// Whether a side is named near these words: from the description before them to the first one behind that
@@ -93,12 +121,19 @@ impl<'a> PhraseMatcher<'_, 'a> {
         Some((compound, u8::try_from(index).ok()?))
     }
 
-    /// Replaces these words; the index of the token behind.
+    /// Replaces these words, and leaves the second of two out; the index of the token behind, and what is kept of it.
     pub(super) fn replace_compound(
         &self,
         tokens: &mut Tokens,
         meant: &Meant<'a>,
-    ) -> Result<usize, Refusal> {
+    ) -> Result<(usize, Option<Kept>), Refusal> {
+        if let Some(pair) = &meant.pair {
+            if let Some(first) = tokens.get_mut(pair.first) {
+                first.kind = single(first);
+            }
+            let span = Span::default();
+            self.replace(tokens, &pair.second, "", span)?;
+        }
         let Meant {
             said,
             index,
@@ -109,7 +144,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let span = span_of(words).ok_or(Refusal::InvalidModel)?;
         let behind = self.replace(tokens, said, compound.read, span)?;
         mark(tokens, behind, *index);
-        Ok(behind)
+        Ok((behind, meant.pair.as_ref().map(|pair| pair.kept)))
     }
 }
 

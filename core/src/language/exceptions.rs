@@ -7,26 +7,10 @@ use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
 use super::plurals::Number;
-use super::tokens::Tokens;
-use super::{Span, Token, TokenKind};
+use super::tokens::{Kept, Tokens};
+use super::{Token, TokenKind};
 use crate::dsl::{Filters, Property, Quantifier};
 use crate::refusal::Refusal;
-
-/// What was left out of a description.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Exception {
-    /// Where that description begins in the sentence.
-    at: u16,
-    /// What the objects look like that are not meant.
-    pub(super) filters: Filters,
-}
-
-impl Exception {
-    /// Whether it is one of the description in this place.
-    pub(super) const fn is_of(&self, span: Span) -> bool {
-        span.start <= self.at && self.at < span.end
-    }
-}
 
 /// The words of an exception among the tokens.
 pub(super) struct Excepted {
@@ -141,7 +125,7 @@ impl PhraseMatcher<'_, '_> {
         &self,
         tokens: &mut Tokens,
         found: &Excepted,
-    ) -> Result<(Exception, usize), Refusal> {
+    ) -> Result<(Kept, usize), Refusal> {
         let from = found.from;
         let described = *tokens.get(from).ok_or(Refusal::InvalidModel)?;
         let mut behind = self.replace(tokens, &found.words, "", described.span)?;
@@ -152,7 +136,7 @@ impl PhraseMatcher<'_, '_> {
             group.kind = TokenKind::Group(Filters::new());
             behind = behind.saturating_add(1);
         }
-        let exception = Exception {
+        let exception = Kept {
             at: described.span.start,
             filters: found.filters,
         };

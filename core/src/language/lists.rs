@@ -12,7 +12,7 @@ use heapless::Vec;
 use super::phrases::PhraseMatcher;
 use super::plurals::Number;
 use super::pronouns::pronoun;
-use super::tokens::{Tokens, push, span_of};
+use super::tokens::{Kept, Tokens, push, span_of};
 use super::{Token, TokenKind};
 use crate::capacity::{ARGUMENTS, MAX_STEPS};
 use crate::dsl::{Filters, Property, Quantifier};
@@ -64,13 +64,43 @@ impl Listed {
     }
 }
 
+/// Two objects between which something is.
+pub(super) struct Pair {
+    /// Index of the group for the first one.
+    pub(super) first: usize,
+    /// The words for the second one, and those that join them.
+    pub(super) second: Range<usize>,
+    /// What the second one looks like.
+    pub(super) kept: Kept,
+}
+
 impl PhraseMatcher<'_, '_> {
+    /// The two objects that are described from a token on.
+    pub(super) fn pair(&self, tokens: &[Token], from: usize) -> Option<Pair> {
+        let items = self.listed(tokens, from, ARGUMENTS)?;
+        let [first, second] = items.as_slice() else {
+            return None;
+        };
+        let TokenKind::Group(filters) = tokens.get(second.group)?.kind else {
+            return None;
+        };
+        let first_group = tokens.get(first.group)?;
+        Some(Pair {
+            first: first.group,
+            second: first.end()..second.end(),
+            kept: Kept {
+                at: first_group.span.start,
+                filters,
+            },
+        })
+    }
+
     /// The list whose verb is at a token.
     pub(super) fn list(&self, tokens: &[Token], at: usize) -> Option<Listed> {
         let behind = at.checked_add(1)?;
         let verb = tokens.get(at)?;
         if self.puts(verb) {
-            let items = self.listed(tokens, behind)?;
+            let items = self.listed(tokens, behind, MAX_STEPS)?;
             let end = items.last()?.end();
             return self.moved(tokens, at..behind, items, at..end);
         }
@@ -80,8 +110,8 @@ impl PhraseMatcher<'_, '_> {
         }
         // "Pick up".
         let items = self
-            .listed(tokens, behind)
-            .or_else(|| self.listed(tokens, behind.checked_add(1)?))?;
+            .listed(tokens, behind, MAX_STEPS)
+            .or_else(|| self.listed(tokens, behind.checked_add(1)?, MAX_STEPS))?;
         let end = items.last()?.end();
         let put = tokens
             .get(end..)?
@@ -108,7 +138,9 @@ impl PhraseMatcher<'_, '_> {
     /// The objects that are listed from a token on: two or more, the last behind a word for "and". Each ends with its noun,
     /// or before the article of the next one; or all have one noun in the plural, or none: "the red and blue block" is no
     /// list.
-    fn listed(&self, tokens: &[Token], from: usize) -> Option<Items> {
+    ///
+    /// * `most`: how many are read
+    fn listed(&self, tokens: &[Token], from: usize, most: usize) -> Option<Items> {
         let mut items = Items::new();
         // Whether what stands before the next one has more than a comma.
         let (mut at, mut joins, mut is_joined) = (from, false, false);
@@ -123,7 +155,7 @@ impl PhraseMatcher<'_, '_> {
             let length = between.map_or(0, |(length, _)| length);
             at = behind_comma.checked_add(length)?;
             joins = length > 0;
-            if at == end {
+            if at == end || items.len() == most {
                 break;
             }
         }
@@ -312,7 +344,7 @@ impl PhraseMatcher<'_, '_> {
 }
 
 /// A group without "both", which says of a list that it has two.
-fn single(group: &Token) -> TokenKind {
+pub(super) fn single(group: &Token) -> TokenKind {
     match group.filters() {
         Some(filters) if filters.quantifier().is_some() => {
             let mut single = Filters::new();

@@ -6,10 +6,9 @@ use heapless::Vec;
 use rewriting::{Rewriting, Twofold};
 
 use super::distances::Distance;
-use super::exceptions::Exception;
 use super::pronouns::pronoun;
 use super::spelling::{KnownWord, alternatives};
-use super::tokens::{Corrections, add_value, push};
+use super::tokens::{Corrections, Kept, add_value, push};
 use super::words::{find, is_full_stop, is_space, next_word, word};
 use super::{Correction, Span, Token, TokenKind, Tokens};
 use crate::capacity::{ARGUMENTS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_STEPS};
@@ -90,7 +89,9 @@ pub struct Reader {
     /// Whether words were left out without which the sentence says the same, or read in simpler ones.
     is_simpler: bool,
     /// What was left out of descriptions.
-    exceptions: Vec<Exception, MAX_STEPS, u8>,
+    exceptions: Vec<Kept, MAX_STEPS, u8>,
+    /// The second ones of what is between two.
+    pairs: Vec<Kept, MAX_STEPS, u8>,
     /// The distances that were left out of the tokens.
     distances: Vec<Distance, MAX_STEPS, u8>,
     /// What has been done of rewriting the tokens.
@@ -139,6 +140,7 @@ impl Reader {
             readings: 1,
             is_simpler: false,
             exceptions: Vec::new(),
+            pairs: Vec::new(),
             distances: Vec::new(),
             rewriting: Rewriting::Rephrasing { from: 0 },
             chosen: [None; Twofold::COUNT],
@@ -204,8 +206,13 @@ impl Reader {
     }
 
     /// What was left out of descriptions.
-    pub(super) fn exceptions(&self) -> &[Exception] {
+    pub(super) fn exceptions(&self) -> &[Kept] {
         &self.exceptions
+    }
+
+    /// The second ones of what is between two.
+    pub(super) fn pairs(&self) -> &[Kept] {
+        &self.pairs
     }
 
     /// The distances that were left out of the tokens.

@@ -76,6 +76,22 @@ pub type Corrections = Vec<Correction, MAX_CORRECTIONS, u8>;
 /// The tokens of a sentence.
 pub type Tokens = Vec<Token, MAX_TOKENS, u8>;
 
+/// What was left out of the tokens, and belongs to a description.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// Where that description begins in the sentence.
+    pub(super) at: u16,
+    /// What an object looks like that is not meant, or that is a further reference.
+    pub(super) filters: Filters,
+}
+
+impl Kept {
+    /// Whether it belongs to the description in this place.
+    pub(super) const fn is_of(&self, span: Span) -> bool {
+        span.start <= self.at && self.at < span.end
+    }
+}
+
 /// One group for what two say of an object.
 pub(super) fn join(model: &Model<'_>, first: &Token, second: &Token) -> Result<Token, Refusal> {
     let (mut filters, more) = match (first.filters(), second.filters()) {

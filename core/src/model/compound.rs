@@ -4,7 +4,7 @@ use super::Model;
 pub const COMPOSED: usize = 2;
 
 /// Actions that are made of others: "next to" puts an object where any of several actions would, "in front and
-/// to the left of" where two do together. Nothing is learned for them.
+/// to the left of" where two do together, "between" halfway between two. Nothing is learned for them.
 ///
 /// All texts are words in lower case with one space in between. What is read in place of others is among
 /// [`Model::words`]; the others need not be.
@@ -33,7 +33,7 @@ pub struct Compound<'a> {
     /// How its parts make it up.
     pub kind: CompoundKind,
     /// Indices into [`Model::actions`]: at most [`MAX_SIDES`](super::MAX_SIDES), of
-    /// [`CompoundKind::All`] [`COMPOSED`].
+    /// [`CompoundKind::All`] [`COMPOSED`], of [`CompoundKind::Between`] one.
     pub parts: &'a [u8],
     /// As what it is read, as which the network knows the first of the parts: "to the right of".
     pub read: &'a str,
@@ -57,6 +57,8 @@ pub enum CompoundKind {
     Any,
     /// All of them, one after the other.
     All,
+    /// Halfway between two references. The only part says how far an object is from another one that it stands beside.
+    Between,
 }
 
 impl<'a> Model<'a> {
@@ -73,6 +75,12 @@ impl<'a> Model<'a> {
             Some(action) => Some(action.name),
             None => self.compound(index).map(|compound| compound.name),
         }
+    }
+
+    /// Whether an action or a relation is between two others.
+    pub(crate) fn is_between(&self, action: u8) -> bool {
+        self.compound(action)
+            .is_some_and(|compound| compound.kind == CompoundKind::Between)
     }
 
     /// Whether an action puts an object beside another one, to a single side or to any.

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3};
 
 use super::distance::{at_distance, shifted_by};
 use super::resolve::{LeftOut, Resolver, Within};
-use super::room::{Beside, Room};
+use super::room::{self, Beside, Room};
 use super::sight::Sight;
 use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
 use crate::action::simulate_any;
@@ -13,6 +13,7 @@ use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
 use crate::camera::rotation;
 use crate::capacity::{MAX_OBJECTS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Property, Quantifier, Step};
+use crate::grounding::Chosen;
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{CompoundKind, LOCATION, Model};
 use crate::refusal::{Quantity, Refusal};
@@ -71,11 +72,19 @@ enum Stage {
         step: usize,
         object: Grounding,
     },
+    /// A place between the reference and what is described together with it is sought.
+    Between {
+        step: usize,
+        object: Grounding,
+        reference: Grounding,
+    },
     Act {
         step: usize,
         action: u8,
         object: Grounding,
         reference: Grounding,
+        /// Where the object is put, unless the action says so.
+        put: Option<[f32; LOCATION]>,
     },
     Done(Option<Refusal>),
 }
@@ -173,7 +182,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 Ok(Stage::Reference { step, object })
             }
             Stage::Reference { step, object } => {
-                let Some(reference) = self.resolve(step, Argument::Reference)? else {
+                let Some(reference) = self.resolve_reference(step)? else {
                     return Ok(stage);
                 };
                 self.check_measured(step, &reference)?;
@@ -195,11 +204,19 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                     self.room = Room::beside(reference, action, distance_mm);
                     return Ok(Stage::Room { step, object });
                 }
+                if self.model.is_between(action) {
+                    return Ok(Stage::Between {
+                        step,
+                        object,
+                        reference,
+                    });
+                }
                 Ok(Stage::Act {
                     step,
                     action,
                     object,
                     reference,
+                    put: None,
                 })
             }
             Stage::Several { step, left_out } => {
@@ -225,8 +242,27 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                         action,
                         object,
                         reference: neighbour,
+                        put: None,
                     },
                     None => stage,
+                })
+            }
+            Stage::Between {
+                step,
+                object,
+                reference,
+            } => {
+                let action = self.symbols(step)?.action;
+                let part = self.model.read_action(action);
+                let part = part.ok_or(Refusal::InvalidModel)?;
+                let (_, _, within) = self.resolving(step, Argument::Reference)?;
+                let put = room::between(object.index.into(), &reference, part, &within)?;
+                Ok(Stage::Act {
+                    step,
+                    action,
+                    object,
+                    reference,
+                    put: Some(put),
                 })
             }
             Stage::Act {
@@ -234,8 +270,9 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 action,
                 object,
                 reference,
+                put,
             } => {
-                self.act(step, action, object, reference)?;
+                self.act(step, action, [object, reference], put)?;
                 self.begin_step(step.saturating_add(1))
             }
             Stage::Done(refusal) => Ok(Stage::Done(refusal)),
@@ -315,6 +352,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             action: self.symbols(step)?.action,
             object,
             reference: object,
+            put: None,
         })
     }
 
@@ -340,6 +378,32 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         resolver.poll(description, &within)
     }
 
+    /// The same of a reference; the first of both of two, described together with the other one.
+    fn resolve_reference(&mut self, step: usize) -> Result<Option<Grounding>, Refusal> {
+        let symbols = self.symbols(step)?;
+        if symbols.reference.filters().quantifier() != Some(Quantifier::Both) {
+            return self.resolve(step, Argument::Reference);
+        }
+        let (resolver, description, within) = self.resolving(step, Argument::Reference)?;
+        let found = resolver.poll_several(description, &within, LeftOut::None)?;
+        let Some(ids) = found else {
+            return Ok(None);
+        };
+        let mut both = ids.iter().filter_map(|id| {
+            let mut objects = within.scene.objects().iter();
+            let index = objects.position(|object| object.id == *id)?;
+            let certain = Chosen {
+                index,
+                score: 1.0,
+                probability: 1.0,
+            };
+            Some(Grounding::new(*id, index as u8, &certain))
+        });
+        // Both of two are there.
+        let (one, other) = both.next().zip(both.next()).ok_or(Refusal::InvalidModel)?;
+        Ok(Some(one.related_to(&other)))
+    }
+
     /// The resolver, and what it resolves.
     fn resolving(
         &mut self,
@@ -363,12 +427,14 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
     }
 
     /// Predicts where the object will be, and moves it there for the following steps.
+    ///
+    /// * `put`: where it is put, unless the action says so
     fn act(
         &mut self,
         step: usize,
         action: u8,
-        object: Grounding,
-        reference: Grounding,
+        [object, reference]: [Grounding; 2],
+        put: Option<[f32; LOCATION]>,
     ) -> Result<(), Refusal> {
         let not_finite = |quantity| Refusal::NotFinite {
             step: step as u8,
@@ -391,7 +457,7 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 });
             }
         }
-        let location = simulate_any(self.model, action, &from, &to);
+        let location = put.or_else(|| simulate_any(self.model, action, &from, &to));
         // Always there: an action, or a compound that leads to one place.
         let mut location = location.ok_or(Refusal::InvalidModel)?;
         let symbols = self.symbols(step)?;

@@ -104,7 +104,7 @@ pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + 3;
 const READING_POLLS: usize = (MAX_FILTERS + 13) * MAX_TOKENS + 6 + MAX_STEPS * (5 + MAX_GROUPS);
 const GROUNDING_POLLS: usize =
-    2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1;
+    2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1 + 1;
 
 /// Plans with one model. Holds only a reference to the model.
 ///

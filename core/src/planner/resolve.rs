@@ -9,7 +9,7 @@ use crate::dsl::{Argument, Description, Extreme, Filters, Quantifier, Relation, 
 use crate::grounding::{Filtered, ScoreError, Scores, filter};
 use crate::model::{LOCATION, Model};
 use crate::refusal::{Candidate, Candidates, Quantity, Refusal};
-use crate::relation::{RELATION_CLEAR, relate};
+use crate::relation::{RELATION_CLEAR, between, relate};
 use crate::scene::{ObservedObject, Scene};
 use crate::viewpoint::Viewpoint;
 use crate::vision;
@@ -242,7 +242,7 @@ impl Resolver {
             || !matches!(
                 sought.relations().first(),
                 None | Some(Relation {
-                    kind: RelationKind::Action(_),
+                    kind: RelationKind::Action(_) | RelationKind::And,
                     ..
                 })
             );
@@ -332,11 +332,11 @@ impl Resolver {
         if relation.to.is_table() {
             return Ok(Some(if within.is_on_table(index) { 1.0 } else { -1.0 }));
         }
-        let Some(anchor) = self.anchor else {
+        let Some(grounding) = &self.anchor else {
             return Ok(None);
         };
-        let anchor = usize::from(anchor.index);
-        if index == anchor {
+        let anchor = usize::from(grounding.index);
+        if index == anchor || within.second(grounding) == Some(index) {
             return Ok(Some(-1.0));
         }
         let RelationKind::Action(action) = relation.kind else {
@@ -348,7 +348,16 @@ impl Resolver {
             .get(index)
             .zip(within.locations.get(anchor))
             .ok_or(Refusal::InvalidModel)?;
-        let related = relate(within.model, within.viewpoint, action, object, anchor);
+        let related = match within
+            .second(grounding)
+            .filter(|_| within.model.is_between(action))
+        {
+            Some(second) => {
+                let second = within.locations.get(second).ok_or(Refusal::InvalidModel)?;
+                between(within.model, within.viewpoint, object, [anchor, second])
+            }
+            None => relate(within.model, within.viewpoint, action, object, anchor),
+        };
         related.map(Some).ok_or(within.not_finite())
     }
 
@@ -357,7 +366,7 @@ impl Resolver {
     fn compare(&mut self, sought: &Description, within: &Within<'_>) -> Result<bool, Refusal> {
         let related = sought.relations().first().zip(self.anchor);
         let related = related.and_then(|(relation, anchor)| match relation.kind {
-            RelationKind::Action(_) => None,
+            RelationKind::Action(_) | RelationKind::And => None,
             RelationKind::Nearest => Some(Superlative::Nearest(anchor.index.into())),
             RelationKind::Farthest => Some(Superlative::Farthest(anchor.index.into())),
         });
@@ -471,6 +480,13 @@ impl Within<'_> {
             .locate(self.model.camera, location)
     }
 
+    /// The place in the scene of what a grounded object is described together with, or by.
+    pub(super) fn second(&self, grounding: &Grounding) -> Option<usize> {
+        let second = *grounding.anchors().first()?;
+        let mut objects = self.scene.objects().iter();
+        objects.position(|object| object.id == second)
+    }
+
     /// Whether an object of the scene stands on the table.
     pub(super) fn is_on_table(&self, index: usize) -> bool {
         let place = self
@@ -489,11 +505,11 @@ impl Within<'_> {
         }
     }
 
-    const fn ambiguous(&self, sought: &Description, candidates: Candidates) -> Refusal {
+    fn ambiguous(&self, sought: &Description, candidates: Candidates) -> Refusal {
         Refusal::Ambiguous {
             step: self.step as u8,
             argument: self.argument,
-            description: *sought,
+            description: by_itself(sought),
             candidates,
         }
     }
@@ -507,10 +523,18 @@ impl Within<'_> {
         Refusal::NoSuchObject {
             step: self.step as u8,
             argument: self.argument,
-            description: *sought,
+            description: by_itself(sought),
             best,
             threshold,
         }
+    }
+}
+
+/// A description without the further reference that it is named together with.
+fn by_itself(sought: &Description) -> Description {
+    match sought.relations().first() {
+        Some(relation) if relation.kind == RelationKind::And => Description::of(*sought.filters()),
+        _ => *sought,
     }
 }
 

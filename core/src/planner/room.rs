@@ -1,6 +1,6 @@
 //! A free place on the table: beside an object that stands there, or beside the one that a sentence names,
 //! where one of several actions of the model puts things. So the learned simulator says where it is, as of any
-//! other sub-goal.
+//! other sub-goal. And the place halfway between two objects, if it is free.
 
 use core::num::NonZeroU16;
 
@@ -12,12 +12,17 @@ use super::resolve::Within;
 use super::sight::{HIDDEN, ON_TOP_M, Sight, is_hidden};
 use crate::action::simulate;
 use crate::grounding::Chosen;
+use crate::model::LOCATION;
 use crate::refusal::Refusal;
 
 /// The least distance of a free place from any other object, as a share of its distance from the one
 /// that it is beside. The distance beside an object, about 75 mm for a larger block beside a smaller
 /// one, keeps two apart side by side; where corners may meet, two larger blocks of 60 mm need 85 mm.
 const CLEAR: f32 = 1.15;
+
+/// The least gap between an object and each of those that it is put between: the arm's fingers, which open along the
+/// longer way, need none, and sub-goals are a few millimetres off.
+const LEAST_GAP_M: f32 = 0.01;
 
 /// Tries the places beside each object or a single one, and keeps the nearest free one, beside one that is
 /// seen whole if there is any. Each [`Room::poll`] tries one.
@@ -173,31 +178,136 @@ fn free(
     if let Some(mm) = distance_mm {
         put = at_distance(model, viewpoint, &put, beside, mm);
     }
-    let place = within.place(&put);
+    let distance_m2 = aside_m2(&within.place(&put), &within.place(beside));
+    if !is_clear(
+        object,
+        &put,
+        &[neighbour],
+        CLEAR * CLEAR * distance_m2,
+        within,
+    ) {
+        return Ok(None);
+    }
+    // What stands behind a nearer object might not be seen.
+    let others = within.locations.get(..within.scene.objects().len());
+    if is_hidden(&put, others.unwrap_or_default().iter().copied(), HIDDEN) {
+        return Ok(None);
+    }
+    Ok(Some(aside_m2(&within.place(&put), &within.place(from))))
+}
+
+/// Where an object is halfway between two others that stand on the table, and are seen whole.
+///
+/// * `object`: index of the object that is put there
+/// * `reference`: one of the two, described together with the other one
+/// * `part`: index of the action that tells how far it is from what it stands beside
+///
+/// Cost: an action twice, and each object compared with all others.
+#[inline(never)]
+pub(super) fn between(
+    object: usize,
+    reference: &Grounding,
+    part: u8,
+    within: &Within<'_>,
+) -> Result<[f32; LOCATION], Refusal> {
+    let Within {
+        model, viewpoint, ..
+    } = within;
+    let step = within.step as u8;
+    let id = |index: usize| {
+        let object = within.scene.objects().get(index);
+        object.map_or(0, |object| object.id)
+    };
+    let no_room = Refusal::NoRoomOnTable {
+        step,
+        object: id(object),
+    };
+    let second = within.second(reference).ok_or(Refusal::InvalidModel)?;
+    let action = model.actions.get(usize::from(part));
+    let action = action.ok_or(Refusal::InvalidModel)?;
+    let location = |index: usize| within.locations.get(index).ok_or(Refusal::InvalidModel);
+    let from = location(object)?;
+    let ends = [usize::from(reference.index), second];
+    let mut puts = [*from; 2];
+    let mut places = [Point3::origin(); 2];
+    let mut farthest_m2 = 0.0_f32;
+    for ((end, put), place) in ends.into_iter().zip(&mut puts).zip(&mut places) {
+        if end == object {
+            let object = id(object);
+            return Err(Refusal::SameObject { step, object });
+        }
+        if !within.is_on_table(end) {
+            let object = id(end);
+            return Err(Refusal::NotOnTable { step, object });
+        }
+        if Sight::of(end, within).is_rough {
+            let object = id(end);
+            return Err(Refusal::HiddenReference { step, object });
+        }
+        let end = location(end)?;
+        *place = within.place(end);
+        *put = simulate(model.simulator, action, from, end);
+        farthest_m2 = farthest_m2.max(aside_m2(&within.place(put), place));
+    }
+    let [one, other] = places;
+    let needed_m =
+        libm::sqrtf(farthest_m2) - 1e-3 * f32::from(model.distances.usual_mm) + LEAST_GAP_M;
+    let half_m = 0.5 * libm::sqrtf(aside_m2(&one, &other));
+    // Not if it's no number.
+    if !(half_m >= needed_m) {
+        return Err(no_room);
+    }
+    let [put, _] = puts;
+    let (halfway, at) = (nalgebra::center(&one, &other), within.place(&put));
+    let put = viewpoint.shifted(&put, halfway.x - at.x, halfway.y - at.y);
+    let seen_past = within.locations.iter().take(within.scene.objects().len());
+    let seen_past = seen_past
+        .enumerate()
+        .filter(|(index, _)| !ends.contains(index));
+    let seen_past = seen_past.map(|(_, location)| *location);
+    let is_free = is_clear(object, &put, &ends, CLEAR * CLEAR * farthest_m2, within)
+        && !is_hidden(&put, seen_past, HIDDEN);
+    is_free.then_some(put).ok_or(no_room)
+}
+
+/// Whether a place is on the table, inside the work space, in sight, and so far from all objects but these, and what
+/// they carry.
+///
+/// * `object`: index of the object that is put there
+/// * `put`: the place
+/// * `near`: indices of the objects that it's beside
+/// * `least_m2`: the square of the distance, square metres
+fn is_clear(
+    object: usize,
+    put: &[f32; LOCATION],
+    near: &[usize],
+    least_m2: f32,
+    within: &Within<'_>,
+) -> bool {
+    let Within {
+        model, viewpoint, ..
+    } = within;
+    let place = within.place(put);
     let is_on_table = model
         .on_table_below_m()
         .is_some_and(|below_m| place.z < below_m);
     let is_inside = model.header.work_space.contains(&place.into());
-    if !is_on_table || !is_inside || !viewpoint.contains(&put) {
-        return Ok(None);
+    if !is_on_table || !is_inside || !viewpoint.contains(put) {
+        return false;
     }
     let others = within.locations.get(..within.scene.objects().len());
-    let others = others.unwrap_or_default();
-    let beside = within.place(beside);
-    let least_m2 = CLEAR * CLEAR * aside_m2(&place, &beside);
     let (on_top_m, _) = ON_TOP_M;
-    let mut apart = others.iter().enumerate();
-    let is_free = apart.all(|(index, other)| {
+    let mut apart = others.unwrap_or_default().iter().enumerate();
+    apart.all(|(index, other)| {
         let other = within.place(other);
         // What it is beside may carry others.
-        let is_beside = aside_m2(&beside, &other) < on_top_m * on_top_m;
+        let is_beside = near.iter().any(|near| {
+            let near = within.locations.get(*near);
+            let near = near.map(|near| aside_m2(&within.place(near), &other));
+            near.is_some_and(|near_m2| near_m2 < on_top_m * on_top_m)
+        });
         index == object || is_beside || aside_m2(&place, &other) >= least_m2
-    });
-    // What stands behind a nearer object might not be seen.
-    if !is_free || is_hidden(&put, others.iter().copied(), HIDDEN) {
-        return Ok(None);
-    }
-    Ok(Some(aside_m2(&place, &within.place(from))))
+    })
 }
 
 /// The square of the distance of two points along the table, square metres.

@@ -1,3 +1,4 @@
+mod between;
 mod compounds;
 mod distances;
 mod exceptions;

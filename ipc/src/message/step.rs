@@ -13,7 +13,8 @@ message! {
     /// A relation in a description: to what, and where this lies from it.
     "nsrm.v1.RelationMessage.c033a237e5f05959"
     pub struct RelationMessage {
-        /// 0: the state that an action brings about; 1: nearest; 2: farthest.
+        /// 0: the state that an action brings about; 1: nearest; 2: farthest; 3: none, a further
+        /// reference of what is between two.
         pub kind: u32,
         /// Index of that action in the model; 0 for the other kinds.
         pub action: u32,
@@ -114,6 +115,7 @@ impl RelationMessage {
             (0, action) => Some(RelationKind::Action(u8::try_from(action).ok()?)),
             (1, 0) => Some(RelationKind::Nearest),
             (2, 0) => Some(RelationKind::Farthest),
+            (3, 0) => Some(RelationKind::And),
             _ => None,
         }
     }
@@ -303,6 +305,7 @@ fn relations(description: &Description) -> (u32, [RelationMessage; MAX_RELATIONS
             RelationKind::Action(action) => (0, action.into()),
             RelationKind::Nearest => (1, 0),
             RelationKind::Farthest => (2, 0),
+            RelationKind::And => (3, 0),
         };
         *place = RelationMessage {
             kind,

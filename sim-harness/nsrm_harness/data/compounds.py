@@ -39,7 +39,7 @@ class CompoundSentences(Draws):
         if domain.compounds is None:
             raise ValueError("the domain's wording has no compounds")
         super().__init__(domain, rng)
-        self._compounds = domain.compounds.made
+        self._compounds = [each for each in domain.compounds.made if not each.between]
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
@@ -130,7 +130,8 @@ def compound_programs(domain: Domain, truth: Truth) -> Iterator[Put]:
     scene = Arrangement(blocks, truth.initial_poses, bases(truth))
     unique = unique_descriptions(domain, blocks, Descriptions(1, 2))
     named = [index for index, kinds in enumerate(unique) if kinds]
-    for compound in domain.compounds.made if domain.compounds is not None else ():
+    made = domain.compounds.made if domain.compounds is not None else ()
+    for compound in (each for each in made if not each.between):
         for moved in named:
             for reference in named:
                 if goals := _goals(domain, scene, compound, moved, reference):

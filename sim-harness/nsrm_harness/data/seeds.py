@@ -64,6 +64,7 @@ STREAMS = {
     "exceptions": 98,
     "wordy": 99,
     "listed": 100,
+    "between": 101,
 }
 
 

@@ -1,4 +1,4 @@
-"""Actions that are made of others: "next to", "in front and to the left of".
+"""Actions that are made of others: "next to", "in front and to the left of", "between".
 
 The parser is not taught them: the core reads their words as those of the first action.
 """
@@ -19,7 +19,8 @@ COMPOSED = 2
 
 @dataclass(frozen=True)
 class Compound:
-    """An action that is made of others: of any of some, or of all of two, one after the other."""
+    """An action that is made of others: of any of some, of all of two, one after the other, or halfway
+    between two references."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 
@@ -33,13 +34,15 @@ class Compound:
     read: Phrase
     #: The actions of which it is any,
     any: tuple[Identifier, ...] = ()
-    #: or those of which it is both.
+    #: or those of which it is both,
     all: tuple[Identifier, ...] = ()
+    #: or the one that tells how far an object between two others is from them.
+    between: tuple[Identifier, ...] = ()
 
     @property
     def parts(self) -> tuple[str, ...]:
         """The actions that it is made of."""
-        return self.all or self.any
+        return self.between or self.all or self.any
 
 
 @dataclass(frozen=True)
@@ -80,4 +83,9 @@ def compounds_of(
 
 def _can_be_made(compound: Mapping[str, Any], actions: Collection[str]) -> bool:
     """Whether the actions are there: all of them, or the one as which any of them is read."""
-    return {*compound.get("all", ()), *compound.get("any", ())[:1]} <= {*actions}
+    needed = {
+        *compound.get("all", ()),
+        *compound.get("any", ())[:1],
+        *compound.get("between", ()),
+    }
+    return needed <= {*actions}

@@ -236,7 +236,7 @@ class Speaker:
             elif name == "nouns":
                 yield self._noun(context.saying)
             elif name == "relation" and (compound := self._compound(context.action)):
-                yield from self._expanded(f"{self._choose(compound.said)} {{reference}}", context)
+                yield from self._compounded(compound, context)
             elif name == "relation":
                 relation = self._words.relations[context.action or self._any_action()]
                 filled = self._choose(self._words.rules[relation["rule"]])
@@ -257,6 +257,21 @@ class Speaker:
                 yield from self._described(name, said, replace(context, saying=said))
             else:
                 yield from self._expanded(self._choose(self._words.rules[name]), context)
+
+    def _compounded(
+        self, compound: Compound, context: _Context
+    ) -> Iterator[str | tuple[str, ...]]:
+        yield from self._choose(compound.said).split()
+        if not compound.between or not context.reference.relations:
+            yield from self._expanded("{reference}", context)
+            return
+        # One of other words is not told from what follows.
+        two = (context.reference.concepts, context.reference.relations[0].to)
+        for index, concepts in enumerate(two):
+            said = self._choose(["the {values} block", "the {values} one", "the {values}"])
+            yield from self._expanded(said, replace(context, saying=_Said(concepts)))
+            if index == 0:
+                yield "and"
 
     def _described(
         self, name: str, said: _Said, context: _Context

@@ -11,6 +11,8 @@ from nsrm_harness.common.json_text import json_text
 #: Relations that compare the objects of a scene, beside those that actions bring about; in the
 #: order of a model's relations, behind the actions.
 SUPERLATIVES = ("Nearest", "Farthest")
+#: What is no relation, but names a further reference of what is put or lies between two.
+AND = "And"
 
 
 #: What chooses among objects by their size, beside the extremes in the directions of actions.
@@ -29,7 +31,7 @@ class Relation:
     """``Relate(name, Unique(Filter(… Scene())))``: what is where an action puts objects, seen
     from another object, or what is nearest to it or farthest from it."""
 
-    #: Name of the action, or one of `SUPERLATIVES`.
+    #: Name of the action, one of `SUPERLATIVES`, or `AND`.
     name: str
     #: Names of the concepts that describe the other object.
     to: tuple[str, ...]

@@ -498,20 +498,23 @@ def _compounds(domain: Domain) -> Faults:
         if compound.name in seen:
             yield key, f"the name is that of {seen[compound.name]}"
         seen[compound.name] = "another compound"
-        for name in (*compound.any, *compound.all):
+        for name in (*compound.any, *compound.all, *compound.between):
             if name not in names:
                 yield key, f"no action {name!r}; expected some of {', '.join(names)}"
-        if bool(compound.any) == bool(compound.all):
-            yield key, "expected either any or all"
+        if sum(map(bool, (compound.any, compound.all, compound.between))) != 1:
+            yield key, "expected one of any, all and between"
+        if len(compound.between) > 1:
+            yield f"{key}.between", f"expected 1, got {len(compound.between)}"
         if compound.all and len(compound.all) != COMPOSED:
             yield f"{key}.all", f"expected {COMPOSED}, got {len(compound.all)}"
         if len(compound.any) > MAX_SIDES:
             yield f"{key}.any", f"expected at most {MAX_SIDES}, got {len(compound.any)}"
-        if compound.any and not _tells_what_is_on_table(domain):
+        if not compound.all and not _tells_what_is_on_table(domain):
             yield (
                 key,
                 "the highest block is at least three times as high as the lowest, so that what "
-                "stands on the table cannot be told: leave out what is any of several actions",
+                "stands on the table cannot be told: leave out what is any of several actions or "
+                "between two objects",
             )
         for word in compound.read.split(" "):
             if word not in known:

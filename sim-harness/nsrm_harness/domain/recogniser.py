@@ -125,7 +125,7 @@ def means_compound(domain: Domain, sentence: str) -> bool:
         return False
     spaced, sides = f" {' '.join(split(sentence))} ", {*domain.compounds.sides}
     return any(
-        bool(compound.all) or not sides & {*spaced.replace(f" {text} ", " ", 1).split()}
+        not compound.any or not sides & {*spaced.replace(f" {text} ", " ", 1).split()}
         for compound in domain.compounds.made
         for text in compound.said
         if f" {text} " in spaced

@@ -13,6 +13,7 @@ import nsrm
 import numpy as np
 from numpy.typing import NDArray
 
+from nsrm_harness.data.between import between_of, between_programs
 from nsrm_harness.data.compounds import Put, compound_programs
 from nsrm_harness.data.distances import spaced_programs
 from nsrm_harness.data.ground_truth import GroundTruth
@@ -65,6 +66,8 @@ def put_beside(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[
     sets: dict[str, list[PutBeside]] = {}
     if domain.compounds is not None:
         sets |= {"next to in scenes": [], "diagonally in scenes": []}
+    if between_of(domain) is not None:
+        sets["between in scenes"] = []
     if domain.distances is not None:
         sets |= {"distances in scenes": [], "shifts in scenes": []}
     for index in range(len(judge)):
@@ -74,6 +77,7 @@ def put_beside(domain: Domain, judge: GroundTruth, seed: int) -> dict[str, list[
         kinds = {
             "next to in scenes": [put for put in found if put.is_any],
             "diagonally in scenes": [put for put in found if not put.is_any],
+            "between in scenes": list(between_programs(domain, truth)),
             "distances in scenes": list(
                 spaced_programs(domain, truth, generator(seed, "distances", 1 + index))
             ),

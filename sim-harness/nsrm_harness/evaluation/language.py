@@ -41,6 +41,7 @@ import nsrm
 
 from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
+from nsrm_harness.data.between import BetweenSentences, between_of
 from nsrm_harness.data.compounds import CompoundSentences
 from nsrm_harness.data.distances import DistanceSentences
 from nsrm_harness.data.exceptions import ExceptionSentences
@@ -193,6 +194,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_on_table(domain, seed)
     if domain.compounds is not None:
         sets |= say_compounds(domain, seed)
+    if between_of(domain) is not None:
+        sets |= say_between(domain, seed)
     if domain.distances is not None:
         sets |= say_distances(domain, seed)
     if domain.pronouns:
@@ -335,6 +338,16 @@ def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "next to and diagonally": [sentences.draw() for _ in range(COMPOUND_COUNT)],
         "not next to": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
+    }
+
+
+def say_between(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`COMPOUND_COUNT` sentences about what is between two objects, and as many that mean nothing, by
+    the name of their set."""
+    sentences = BetweenSentences(domain, generator(seed, "between", 0))
+    return {
+        "between": [sentences.draw() for _ in range(COMPOUND_COUNT)],
+        "not between": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
     }
 
 

@@ -17,7 +17,7 @@ pub struct Compounds {
     pub sides: BTreeSet<String>,
 }
 
-/// An action that is made of others. It has either `any` or `all`.
+/// An action that is made of others. It has one of `any`, `all` and `between`.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Compound {
     /// Its name in programs.
@@ -30,6 +30,9 @@ pub struct Compound {
     /// Names of those of which it is both, one after the other.
     #[serde(default)]
     pub all: Vec<String>,
+    /// The name of that which tells how far an object between two others is from them.
+    #[serde(default)]
+    pub between: Vec<String>,
     /// What means it.
     pub said: Vec<String>,
     /// What is read instead.
@@ -39,7 +42,9 @@ pub struct Compound {
 impl Compound {
     /// How its parts make it up, and their names.
     pub(crate) fn parts(&self) -> (CompoundKind, &[String]) {
-        if self.all.is_empty() {
+        if !self.between.is_empty() {
+            (CompoundKind::Between, &self.between)
+        } else if self.all.is_empty() {
             (CompoundKind::Any, &self.any)
         } else {
             (CompoundKind::All, &self.all)
@@ -93,12 +98,24 @@ impl Domain {
         )?;
         let words = self.words();
         for compound in &self.compounds.made {
-            let Compound { name, any, all, .. } = compound;
+            let Compound {
+                name,
+                any,
+                all,
+                between,
+                ..
+            } = compound;
             let (kind, parts) = compound.parts();
             not_empty(&format!("the list of actions of {name:?}"), parts.len())?;
             at_most("actions of a compound", MAX_SIDES, parts.len())?;
-            let is_both = !any.is_empty() && !all.is_empty();
-            if is_both || (kind == CompoundKind::All && parts.len() != COMPOSED) {
+            let given = [any, all, between].into_iter();
+            let is_one = given.filter(|list| !list.is_empty()).count() == 1;
+            let expected = match kind {
+                CompoundKind::All => COMPOSED,
+                CompoundKind::Between => 1,
+                _ => parts.len(),
+            };
+            if !is_one || parts.len() != expected {
                 return Err(ModelError::CompoundParts { name: name.clone() });
             }
             let unknown = |part: &&String| self.action_index(part).is_none();
@@ -124,7 +141,7 @@ impl Domain {
             .made
             .iter()
             .map(|compound| compound.parts().0);
-        if kinds.any(|kind| kind == CompoundKind::Any) && !self.tells_what_is_on_table() {
+        if kinds.any(|kind| kind != CompoundKind::All) && !self.tells_what_is_on_table() {
             return Err(ModelError::TableHeight);
         }
         Ok(())

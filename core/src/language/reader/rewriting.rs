@@ -363,8 +363,12 @@ impl Reader {
             return Ok(Rewriting::Lists { from: 0 });
         };
         let mut from = meant.behind();
-        if meant.is_sure || self.chooses(Twofold::Compounds) {
-            from = said.replace_compound(&mut self.tokens, &meant)?;
+        // More pairs than there can be steps are refused for their words.
+        let has_room = !meant.is_pair() || !self.pairs.is_full();
+        if has_room && (meant.is_sure || self.chooses(Twofold::Compounds)) {
+            let pair;
+            (from, pair) = said.replace_compound(&mut self.tokens, &meant)?;
+            self.pairs.extend(pair);
         }
         Ok(Rewriting::Compounds { from })
     }

@@ -4,7 +4,7 @@ use core::num::NonZeroU16;
 
 use super::{Decided, ParsingTask, Stage, not_finite};
 use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
-use crate::dsl::{Argument, Description, Filters, RelationKind, Step};
+use crate::dsl::{Argument, Description, Filters, Quantifier, Relation, RelationKind, Step};
 use crate::language::compounds::before_group;
 use crate::language::pronouns::antecedent;
 use crate::language::{
@@ -134,6 +134,15 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         if has_itself(&reference_description) && !is_shift {
             return Err(self.unclear(step, reference_span));
         }
+        let is_between = self.model.is_between(chosen);
+        // "Between the two red ones".
+        let is_pair = is_between && is_both(&reference_description);
+        let are_paired = is_paired(self.model, &description, false)
+            && is_paired(self.model, &reference_description, is_between && !is_pair);
+        let is_several = description.filters().quantifier().is_some();
+        if !are_paired || (is_several && is_between) {
+            return Err(self.unclear_compound(step));
+        }
         check_table(
             self.model,
             chosen,
@@ -141,12 +150,12 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             step,
             [span, reference_span],
         )?;
-        check_single(
-            &description,
-            &reference_description,
-            step,
-            [span, reference_span],
-        )?;
+        let single = if is_pair {
+            Description::new()
+        } else {
+            reference_description
+        };
+        check_single(&description, &single, step, [span, reference_span])?;
         let decisions = StepDecisions {
             span: self.segments.span(step, self.reader.tokens()),
             object_span: span,
@@ -364,7 +373,36 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let exception = exceptions.find(|exception| exception.is_of(first));
         let except = exception.map(|exception| exception.filters);
         let description = description.excepting(except.unwrap_or_default());
+        let description = self.paired(step, groups, description)?;
         Ok((description, span))
+    }
+
+    /// A description with what else follows "between", which belongs to the last of its groups.
+    fn paired<'t>(
+        &self,
+        step: usize,
+        groups: impl Iterator<Item = &'t Token>,
+        mut description: Description,
+    ) -> Result<Description, Refusal> {
+        let mut second = None;
+        for group in groups {
+            if second.is_some() {
+                return Err(self.unclear(step, group.span));
+            }
+            let mut pairs = self.reader.pairs().iter();
+            second = pairs.find(|pair| pair.is_of(group.span));
+        }
+        let Some(second) = second else {
+            return Ok(description);
+        };
+        let relation = Relation {
+            kind: RelationKind::And,
+            to: second.filters.distinct(),
+        };
+        match description.relate(relation) {
+            Ok(()) => Ok(description),
+            Err(_) => Err(self.unclear_compound(step)),
+        }
     }
 
     /// Refuses a step in which something is left out of anything but its object and its reference.
@@ -469,4 +507,26 @@ fn check_single(
     };
     let step = step as u8;
     Err(Refusal::SeveralReferences { step, span })
+}
+
+/// Whether a description is of two objects that look alike: "both red ones".
+fn is_both(description: &Description) -> bool {
+    description.filters().quantifier() == Some(Quantifier::Both)
+        && description.relations().is_empty()
+}
+
+/// Whether two objects are described behind each "between", and nowhere else.
+///
+/// * `is_between`: whether the description is of what follows one
+fn is_paired(model: &Model<'_>, description: &Description, mut is_between: bool) -> bool {
+    for relation in description.relations() {
+        if (relation.kind == RelationKind::And) != is_between {
+            return false;
+        }
+        is_between = match relation.kind {
+            RelationKind::Action(action) => model.is_between(action),
+            _ => false,
+        };
+    }
+    !is_between
 }

@@ -291,6 +291,7 @@ impl<'a> Model<'a> {
             let is_made = match kind {
                 CompoundKind::Any => !parts.is_empty() && parts.len() <= MAX_SIDES,
                 CompoundKind::All => parts.len() == COMPOSED,
+                CompoundKind::Between => parts.len() == 1,
             };
             if !are_known || !is_made {
                 return Err(ModelFault::CompoundParts(name));
@@ -320,7 +321,7 @@ impl<'a> Model<'a> {
             .compounds
             .iter()
             .map(|compound| compound.kind);
-        if kinds.any(|kind| kind == CompoundKind::Any) && self.on_table_below_m().is_none() {
+        if kinds.any(|kind| kind != CompoundKind::All) && self.on_table_below_m().is_none() {
             return Err(ModelFault::TableHeight);
         }
         Ok(())
