@@ -1,7 +1,8 @@
 //! Towers and rows: "build a tower of the red block, the green one and the blue one".
 //!
 //! The words of such an arrangement are replaced by those of its steps, "put the green one on the red
-//! block , then put the blue one on it", which the network reads and judges as if they had been said.
+//! block , then put the blue one on it", which the network reads and judges as if they had been said; those of "stack all
+//! red blocks" by "put all red blocks on [each other]".
 //! Nothing is learned here: the model lists what stands before and behind the objects, and what it means
 //! ([`crate::model::Arrangements`]).
 
@@ -12,10 +13,11 @@ use super::tokens::{push, span_of};
 use super::words::{find, letters};
 use super::{Span, Token, TokenKind, Tokens};
 use crate::capacity::MAX_STEPS;
+use crate::dsl::{Filters, Property, Quantifier};
 use crate::model::{Arrangement, Closing, Model};
 use crate::refusal::Refusal;
 
-/// What is said of the objects of a list, one each: one step fewer than objects.
+/// What is said of the objects of a list, one each: one step fewer than objects; or of several at once.
 type Items<'t> = Vec<&'t [Token], { MAX_STEPS + 1 }, u8>;
 
 /// An arrangement in a sentence, from one of its tokens on.
@@ -55,7 +57,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
             let Some(rest) = tokens.get(opened..) else {
                 continue;
             };
-            let Some(end) = self.list_end(rest) else {
+            let Some(end) = self.list_end(rest).or_else(|| self.several_end(rest)) else {
                 continue;
             };
             for closing in said.closings {
@@ -92,10 +94,20 @@ impl<'a> PhraseMatcher<'_, 'a> {
         groups.nth(1).map(|_| end)
     }
 
-    /// Whether the sentence separates objects.
+    /// The same of tokens of which the first group describes several objects: "all red blocks".
+    fn several_end(&self, tokens: &[Token]) -> Option<usize> {
+        let group = tokens.iter().position(Token::is_group)?;
+        let ends = |token: &Token| self.is_one_of(self.model.arrangements.ends, token);
+        let end = tokens.iter().position(ends).unwrap_or(tokens.len());
+        (group < end && is_several(tokens.get(group)?)).then_some(end)
+    }
+
+    /// Whether the sentence separates objects, or describes several at once.
     pub(super) fn has_list(&self, tokens: &[Token]) -> bool {
         !self.model.arrangements.openings.is_empty()
-            && tokens.iter().any(|token| self.is_between(token))
+            && tokens
+                .iter()
+                .any(|token| self.is_between(token) || is_several(token))
     }
 
     /// The arrangement with this closing.
@@ -131,10 +143,11 @@ impl<'a> PhraseMatcher<'_, 'a> {
             return None;
         }
         let (items, count) = self.items(listed)?;
-        let (_, others) = items.split_last()?;
+        let (last, others) = items.split_last()?;
         let is_unknown = |token: &Token| token.kind == TokenKind::Unknown;
         // Only the last one may be in the plural.
-        if others.is_empty() || others.iter().any(|item| item.iter().any(is_unknown)) {
+        let is_list = !others.is_empty() || last.iter().any(is_several);
+        if !is_list || others.iter().any(|item| item.iter().any(is_unknown)) {
             return None;
         }
         let words = tokens.get(..opened)?;
@@ -181,6 +194,16 @@ impl<'a> PhraseMatcher<'_, 'a> {
             return Err(Refusal::TooManySteps {
                 limit: MAX_STEPS as u8,
             });
+        }
+        if let [several] = found.items.as_slice() {
+            // Each of them in relation to another one.
+            self.write_words(found.arrangement.order, found.opening, tokens)?;
+            self.write_item(several, tokens)?;
+            self.write_words(found.arrangement.relation, found.opening, tokens)?;
+            let mut each_other = Filters::new();
+            // It has room.
+            let _ = each_other.add(Property::Itself);
+            return push(tokens, TokenKind::Group(each_other), found.opening);
         }
         let mut before: Option<&[Token]> = None;
         for number in 0..found.items.len() {
@@ -247,6 +270,12 @@ impl<'a> PhraseMatcher<'_, 'a> {
     fn is_between(&self, token: &Token) -> bool {
         self.is_one_of(self.model.arrangements.between, token)
     }
+}
+
+/// Whether a token describes several objects.
+fn is_several(token: &Token) -> bool {
+    let quantifier = token.filters().and_then(Filters::quantifier);
+    matches!(quantifier, Some(Quantifier::All | Quantifier::Both))
 }
 
 impl Found<'_, '_> {

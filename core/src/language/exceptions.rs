@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
 use super::plurals::Number;
-use super::tokens::{Kept, Tokens};
+use super::tokens::{Kept, KeptKind, Tokens};
 use super::{Token, TokenKind};
 use crate::dsl::{Filters, Property, Quantifier};
 use crate::refusal::Refusal;
@@ -139,6 +139,7 @@ impl PhraseMatcher<'_, '_> {
         let exception = Kept {
             at: described.span.start,
             filters: found.filters,
+            kind: KeptKind::Exception,
         };
         Ok((exception, behind))
     }

@@ -12,7 +12,7 @@ use heapless::Vec;
 use super::phrases::PhraseMatcher;
 use super::plurals::Number;
 use super::pronouns::pronoun;
-use super::tokens::{Kept, Tokens, push, span_of};
+use super::tokens::{Kept, KeptKind, Tokens, push, span_of};
 use super::{Token, TokenKind};
 use crate::capacity::{ARGUMENTS, MAX_STEPS};
 use crate::dsl::{Filters, Property, Quantifier};
@@ -91,6 +91,7 @@ impl PhraseMatcher<'_, '_> {
             kept: Kept {
                 at: first_group.span.start,
                 filters,
+                kind: KeptKind::Second,
             },
         })
     }

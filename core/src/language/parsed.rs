@@ -53,6 +53,8 @@ pub struct Parsed {
     pub(super) corrections: Corrections,
     /// Ids of the objects that steps move whose description is `Quantifier::Each`.
     each: [u32; MAX_STEPS],
+    /// Ids of the references of those of these steps that are put in relation to one that stays, 0 for others.
+    stays: [u32; MAX_STEPS],
 }
 
 impl Parsed {
@@ -64,6 +66,7 @@ impl Parsed {
             decisions: Vec::new(),
             corrections: Corrections::new(),
             each: [0; MAX_STEPS],
+            stays: [0; MAX_STEPS],
         }
     }
 
@@ -91,24 +94,30 @@ impl Parsed {
     pub(crate) fn each(&self, step: usize, argument: Argument) -> Option<u32> {
         let description = self.program.steps().get(step)?.description(argument);
         let is_each = description.filters().quantifier() == Some(Quantifier::Each);
+        let stays = self.stays.get(step).copied().filter(|id| *id > 0);
         // What is put beside or on one of several follows the step that moved it.
-        let step = match argument {
-            Argument::Object => Some(step),
-            Argument::Reference => step.checked_sub(1),
+        let id = match (argument, stays) {
+            (Argument::Object, _) => self.each.get(step).copied(),
+            (Argument::Reference, Some(stays)) => Some(stays),
+            (Argument::Reference, None) => self.each.get(step.checked_sub(1)?).copied(),
         };
-        self.each.get(step?).copied().filter(|_| is_each)
+        id.filter(|_| is_each)
     }
 
     /// Replaces a step that moves several objects by one for each, in this order: the first one is
     /// moved in relation to the step's reference, and each of the others in relation to the one before
-    /// it, "all red blocks on the blue one" one on the other. On the table, each has a place of its own.
+    /// it, "all red blocks on the blue one" one on the other. On the table, each has a place of its own. Where they are
+    /// put in relation to each other, "stack all red blocks", the one that stays is the first's reference.
     /// False, and without a use, if these are too many steps.
     ///
     /// * `ids`: those of the objects, at least one
-    pub(crate) fn expand(&mut self, step: usize, ids: &[u32]) -> bool {
+    /// * `stays`: that of the one that stays
+    pub(crate) fn expand(&mut self, step: usize, ids: &[u32], stays: Option<u32>) -> bool {
         let before = core::mem::take(&mut self.program);
         let decided = core::mem::take(&mut self.decisions);
         let bound = core::mem::take(&mut self.each);
+        let stay = core::mem::take(&mut self.stays);
+        let bound = bound.into_iter().zip(stay);
         let mut fits = true;
         let steps = before.steps().iter().zip(&decided).zip(bound);
         for (number, ((symbols, decisions), each)) in steps.enumerate() {
@@ -117,31 +126,35 @@ impl Parsed {
                 continue;
             }
             let one = Description::of(symbols.object.filters().of_each());
-            let mut next = (symbols.reference, *decisions);
+            let reference = stays.map_or(symbols.reference, |_| one);
+            let mut next = (reference, *decisions, stays.unwrap_or(0));
             for &id in ids {
-                let (reference, decisions) = next;
+                let (reference, decisions, stays) = next;
                 let moved = Step {
                     object: one,
                     reference,
                     ..*symbols
                 };
-                fits &= self.add(moved, decisions, id);
+                fits &= self.add(moved, decisions, (id, stays));
                 // What was decided once is not doubted twice.
-                let reference = match symbols.reference.filters().is_other_object() {
+                let is_other = symbols.reference.filters().is_other_object();
+                let reference = match is_other || reference == one {
                     true => one,
                     false => symbols.reference,
                 };
-                next = (reference, decisions.certain());
+                next = (reference, decisions.certain(), 0);
             }
         }
         fits
     }
 
-    fn add(&mut self, symbols: Step, decisions: StepDecisions, each: u32) -> bool {
-        let Some(place) = self.each.get_mut(self.decisions.len()) else {
+    fn add(&mut self, symbols: Step, decisions: StepDecisions, (each, stays): (u32, u32)) -> bool {
+        let number = self.decisions.len();
+        let places = self.each.get_mut(number).zip(self.stays.get_mut(number));
+        let Some(place) = places else {
             return false;
         };
-        *place = each;
+        (*place.0, *place.1) = (each, stays);
         self.program.push(symbols).is_ok() && self.decisions.push(decisions).is_ok()
     }
 }

@@ -33,7 +33,10 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let mut tokens = tokens.iter();
         let mut count = 0_usize;
         for word in parts(text) {
-            if !self.is(tokens.next()?, word) {
+            let token = tokens.next()?;
+            // A plural behind "all" is read as a singular.
+            let is_said = || letters(self.text(token)).eq(word.chars());
+            if !self.is(token, word) && !(matches!(token.kind, TokenKind::Word(_)) && is_said()) {
                 return None;
             }
             count = count.saturating_add(1);

@@ -8,7 +8,7 @@ use rewriting::{Rewriting, Twofold};
 use super::distances::Distance;
 use super::pronouns::pronoun;
 use super::spelling::{KnownWord, alternatives};
-use super::tokens::{Corrections, Kept, add_value, push};
+use super::tokens::{Corrections, Kept, KeptKind, add_value, push};
 use super::words::{find, is_full_stop, is_space, next_word, word};
 use super::{Correction, Span, Token, TokenKind, Tokens};
 use crate::capacity::{ARGUMENTS, MAX_READINGS, MAX_SENTENCE_BYTES, MAX_STEPS};
@@ -88,10 +88,8 @@ pub struct Reader {
     readings: usize,
     /// Whether words were left out without which the sentence says the same, or read in simpler ones.
     is_simpler: bool,
-    /// What was left out of descriptions.
-    exceptions: Vec<Kept, MAX_STEPS, u8>,
-    /// The second ones of what is between two.
-    pairs: Vec<Kept, MAX_STEPS, u8>,
+    /// What was left out of descriptions, and the second ones of what is between two.
+    kept: Vec<Kept, MAX_STEPS, u8>,
     /// The distances that were left out of the tokens.
     distances: Vec<Distance, MAX_STEPS, u8>,
     /// What has been done of rewriting the tokens.
@@ -139,8 +137,7 @@ impl Reader {
             choice: 0,
             readings: 1,
             is_simpler: false,
-            exceptions: Vec::new(),
-            pairs: Vec::new(),
+            kept: Vec::new(),
             distances: Vec::new(),
             rewriting: Rewriting::Rephrasing { from: 0 },
             chosen: [None; Twofold::COUNT],
@@ -205,14 +202,9 @@ impl Reader {
         &self.corrections
     }
 
-    /// What was left out of descriptions.
-    pub(super) fn exceptions(&self) -> &[Kept] {
-        &self.exceptions
-    }
-
-    /// The second ones of what is between two.
-    pub(super) fn pairs(&self) -> &[Kept] {
-        &self.pairs
+    /// What was left out of descriptions, or the second ones of what is between two.
+    pub(super) fn kept(&self, kind: KeptKind) -> impl Iterator<Item = &Kept> + Clone {
+        self.kept.iter().filter(move |kept| kept.kind == kind)
     }
 
     /// The distances that were left out of the tokens.
@@ -234,18 +226,11 @@ impl Reader {
         if !matches!(property, Property::Quantifier(_)) || !is_other {
             return true;
         }
-        let is_before = |token: &Token| match is_number {
-            true => is_article(model, token),
-            // "First of all, the red block".
-            false => {
-                !matches!(token.kind, TokenKind::Word(of) if model.several.between.contains(&of))
-            }
+        let follows_article = || {
+            let last = self.tokens.last();
+            last.is_some_and(|token| is_article(model, token))
         };
-        if self
-            .tokens
-            .last()
-            .map_or(is_number, |token| !is_before(token))
-        {
+        if (is_number && !follows_article()) || self.says_first_of(model) {
             return false;
         }
         next_word(words, self.rest_from).is_some_and(|(next, _)| {
@@ -254,6 +239,20 @@ impl Reader {
                 || find(model.several.plurals, next, |plural| plural.text).is_some()
                 || word(model, next).is_some_and(is_between)
         })
+    }
+
+    /// Whether the last words are those before "all" in "first of all".
+    fn says_first_of(&self, model: &Model<'_>) -> bool {
+        let [.., first, of] = self.tokens.as_slice() else {
+            return false;
+        };
+        let (TokenKind::Word(first), TokenKind::Word(of)) = (first.kind, of.kind) else {
+            return false;
+        };
+        let first = model.words.get(usize::from(first));
+        let mut counts = model.ordinals.counts.iter();
+        let mut is_first = |text| counts.any(|count| count.rank == 1 && count.text == text);
+        model.several.between.contains(&of) && first.is_some_and(|word| is_first(word.text))
     }
 
     /// Whether a word only stands between a quantifier and what it is about: "of" and "the" in "all of

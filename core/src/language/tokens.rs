@@ -83,6 +83,16 @@ pub(super) struct Kept {
     pub(super) at: u16,
     /// What an object looks like that is not meant, or that is a further reference.
     pub(super) filters: Filters,
+    pub(super) kind: KeptKind,
+}
+
+/// What was left out of the tokens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum KeptKind {
+    /// Objects that are not meant: "except the red one".
+    Exception,
+    /// The second of two: "between the red and the blue one".
+    Second,
 }
 
 impl Kept {

@@ -225,7 +225,23 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let Some(ids) = found else {
                     return Ok(stage);
                 };
-                if !self.plan.expand(step, &ids) {
+                let symbols = self.symbols(step)?;
+                let is_among =
+                    symbols.reference.filters().is_itself() && symbols.distance_mm.is_none();
+                let (moved, stays) = match ids.split_last() {
+                    // The lowest one stays.
+                    Some((stays, moved)) if is_among => (moved, Some(*stays)),
+                    _ => (ids.as_slice(), None),
+                };
+                if moved.is_empty() {
+                    return Err(Refusal::OtherNumber {
+                        step: step as u8,
+                        description: symbols.object,
+                        expected: 2,
+                        got: 1,
+                    });
+                }
+                if !self.plan.expand(step, moved, stays) {
                     let limit = MAX_STEPS as u8;
                     return Err(Refusal::TooManySteps { limit });
                 }

@@ -46,7 +46,7 @@ pub const PLAN_BYTES: usize = size_of::<Plan>();
 pub const SCENE_BYTES: usize = size_of::<Scene>();
 
 // What callers set aside for a task and a plan, and what a refusal costs to pass on.
-const _: () = assert!(TASK_BYTES <= 15 * 1024 + 512 && PLAN_BYTES <= 2048);
+const _: () = assert!(TASK_BYTES <= 15 * 1024 + 512 && PLAN_BYTES <= 2112);
 const _: () = assert!(size_of::<Refusal>() <= 104);
 
 /// The most multiply-adds of one [`PlanningTask::poll`] on a model of up to [`UNIT_ACTIONS`]

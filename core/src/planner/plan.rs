@@ -209,8 +209,10 @@ impl Plan {
     }
 
     /// Replaces a step that moves several objects by one for each; false if these are too many.
-    pub(super) fn expand(&mut self, step: usize, ids: &[u32]) -> bool {
-        self.parsed.expand(step, ids)
+    ///
+    /// * `stays`: id of the one that stays, where they are put in relation to each other
+    pub(super) fn expand(&mut self, step: usize, ids: &[u32], stays: Option<u32>) -> bool {
+        self.parsed.expand(step, ids, stays)
     }
 
     pub(super) fn push(&mut self, step: PlannedStep) {

@@ -9,12 +9,14 @@ import numpy as np
 
 from nsrm_harness.data.draws import ListDraws, Values
 from nsrm_harness.domain import Domain
-from nsrm_harness.domain.program import Program, Step
+from nsrm_harness.domain.program import ALL, BOTH, ITSELF, Program, Step
 from nsrm_harness.domain.recogniser import means_list
 from nsrm_harness.domain.rewriting import ArrangedStep, Arrangements, Pattern
 
 #: Share of sentences with a further step behind the list.
 FOLLOWED = 0.3
+#: Share of sentences about all objects that fit, and not a list: "stack the red blocks".
+SEVERAL = 0.2
 
 
 class ArrangedSentences(ListDraws):
@@ -28,10 +30,14 @@ class ArrangedSentences(ListDraws):
 
     def draw(self) -> tuple[str, Program]:
         """A sentence and the program that it means."""
-        objects = self._objects()
         opening, closing, steps = self._around()
-        words = [*self._before(), opening, *self._list(objects), closing]
-        program = program_of(steps, objects)
+        if self._rng.random() < SEVERAL:
+            several, step = self._several(steps)
+            words, program = [*self._before(), opening, several, closing], (step,)
+        else:
+            objects = self._objects()
+            words = [*self._before(), opening, *self._list(objects), closing]
+            program = program_of(steps, objects)
         if self._rng.random() < FOLLOWED:
             further = self._step()
             lead = self._choose([", then", "and then", ". then", ". after that ,", "and"])
@@ -79,6 +85,16 @@ class ArrangedSentences(ListDraws):
         closing = self._choose(list(pattern.closings))
         steps = self._said.steps[pattern.closings[closing]]
         return self._choose(pattern.openings), closing, steps
+
+    def _several(self, steps: ArrangedStep) -> tuple[str, Step]:
+        """Words for several objects at once, and what is done with them."""
+        values, which = self._values(), self._choose((ALL, ALL, BOTH))
+        noun = self._choose(self._nouns[2:])
+        texts = ["all {}", "all the {}", "all of the {}", "the {}"]
+        if which == BOTH:
+            texts = ["both {}", "both of the {}", "the two {}"]
+        words = self._choose(texts).format(" ".join((*values, noun)))
+        return words, Step(steps.action, values, (), object_which=which, reference_which=ITSELF)
 
     def _closing_of_others(self, opening: str) -> str:
         """What cannot stand behind a list with this before it."""

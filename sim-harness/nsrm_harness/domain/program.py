@@ -22,7 +22,8 @@ SIZE_EXTREMES = ("Largest", "Smallest")
 ALL, BOTH, EACH = "all", "both", "each"
 #: What says that the table is meant, and no object: as the reference of a step, and of a relation.
 TABLE = "table"
-#: What says that an object is moved from where it is: as the reference of a step.
+#: What says that an object is moved from where it is, or that several are moved in relation to each
+#: other: as the reference of a step.
 ITSELF = "itself"
 
 

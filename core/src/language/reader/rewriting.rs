@@ -38,6 +38,10 @@ pub(super) enum Rewriting {
     Ordinals {
         from: usize,
     },
+    /// For plurals.
+    Plurals {
+        from: usize,
+    },
     /// For what means the table.
     Table {
         from: usize,
@@ -52,10 +56,6 @@ pub(super) enum Rewriting {
     },
     /// For listed objects.
     Lists {
-        from: usize,
-    },
-    /// For plurals.
-    Plurals {
         from: usize,
     },
     /// For values directly beside each other.
@@ -103,13 +103,13 @@ impl Reader {
             Rewriting::Sequence => self.put_in_order(said)?,
             Rewriting::Apart { from } => self.join(said, from, false)?,
             Rewriting::Ordinals { from } => self.rewriting = self.count(said, from)?,
+            Rewriting::Plurals { from } => self.read_plural(said, from)?,
             Rewriting::Table { from } => self.name_table(said, from)?,
             Rewriting::Arrangements { from } => self.arrange(said, from)?,
             Rewriting::Compounds { from } => {
                 self.rewriting = self.replace_compound(said, from)?;
             }
             Rewriting::Lists { from } => self.write_list(said, from)?,
-            Rewriting::Plurals { from } => self.read_plural(said, from)?,
             Rewriting::Beside { from } => self.join(said, from, true)?,
             Rewriting::Distances { from } => self.leave_out_distance(said, from)?,
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
@@ -206,10 +206,10 @@ impl Reader {
         self.rewriting = Rewriting::Repairs { from: 0 };
         // More than there can be steps are refused for their words.
         if let Some(found) = found
-            && !self.exceptions.is_full()
+            && !self.kept.is_full()
         {
             let (exception, from) = said.leave_exception_out(&mut self.tokens, &found)?;
-            let _ = self.exceptions.push(exception);
+            let _ = self.kept.push(exception);
             self.rewriting = Rewriting::Exceptions { from };
         }
         Ok(())
@@ -297,7 +297,7 @@ impl Reader {
         let mut places = from..self.tokens.len();
         let counted = places.find_map(|at| said.counted(&self.tokens, at));
         let Some(counted) = counted else {
-            return Ok(Rewriting::Table { from: 0 });
+            return Ok(Rewriting::Plurals { from: 0 });
         };
         let mut from = counted.behind();
         if counted.is_sure(&self.tokens) || self.chooses(Twofold::Ordinals) {
@@ -364,11 +364,11 @@ impl Reader {
         };
         let mut from = meant.behind();
         // More pairs than there can be steps are refused for their words.
-        let has_room = !meant.is_pair() || !self.pairs.is_full();
+        let has_room = !meant.is_pair() || !self.kept.is_full();
         if has_room && (meant.is_sure || self.chooses(Twofold::Compounds)) {
             let pair;
             (from, pair) = said.replace_compound(&mut self.tokens, &meant)?;
-            self.pairs.extend(pair);
+            self.kept.extend(pair);
         }
         Ok(Rewriting::Compounds { from })
     }
@@ -382,7 +382,7 @@ impl Reader {
             places.start = places.end;
         }
         self.rewriting = match places.find_map(|at| said.list(&self.tokens, at)) {
-            None => Rewriting::Plurals { from: 0 },
+            None => Rewriting::Beside { from: 0 },
             Some(found) if self.unknown().is_none() && self.choose(2) != Some(1) => {
                 let from = found.behind();
                 Rewriting::Lists { from }
@@ -404,7 +404,7 @@ impl Reader {
         };
         let found = places.find_map(|at| Some((at, said.all_of(&self.tokens, at)?)));
         self.rewriting = match found {
-            None => Rewriting::Beside { from: 0 },
+            None => Rewriting::Table { from: 0 },
             Some((at, all)) => {
                 PhraseMatcher::put_all_of(&mut self.tokens, at, all)?;
                 Rewriting::Plurals {

@@ -7,6 +7,7 @@ use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
 use crate::dsl::{Argument, Description, Filters, Quantifier, Relation, RelationKind, Step};
 use crate::language::compounds::before_group;
 use crate::language::pronouns::antecedent;
+use crate::language::tokens::KeptKind;
 use crate::language::{
     GroupRole, Span, StepDecisions, Token, TokenKind, choose_action, choose_group, choose_role,
 };
@@ -131,7 +132,13 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         if has_itself(&description) {
             return Err(self.unclear(step, span));
         }
-        if has_itself(&reference_description) && !is_shift {
+        // "All red blocks on each other".
+        let is_several = matches!(
+            description.filters().quantifier(),
+            Some(Quantifier::All | Quantifier::Both)
+        );
+        let is_among = is_several && self.model.compound(chosen).is_none();
+        if has_itself(&reference_description) && !is_shift && !is_among {
             return Err(self.unclear(step, reference_span));
         }
         let is_between = self.model.is_between(chosen);
@@ -139,7 +146,6 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         let is_pair = is_between && is_both(&reference_description);
         let are_paired = is_paired(self.model, &description, false)
             && is_paired(self.model, &reference_description, is_between && !is_pair);
-        let is_several = description.filters().quantifier().is_some();
         if !are_paired || (is_several && is_between) {
             return Err(self.unclear_compound(step));
         }
@@ -369,7 +375,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             span,
             limit: MAX_RELATIONS as u8,
         })?;
-        let mut exceptions = self.reader.exceptions().iter();
+        let mut exceptions = self.reader.kept(KeptKind::Exception);
         let exception = exceptions.find(|exception| exception.is_of(first));
         let except = exception.map(|exception| exception.filters);
         let description = description.excepting(except.unwrap_or_default());
@@ -389,7 +395,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             if second.is_some() {
                 return Err(self.unclear(step, group.span));
             }
-            let mut pairs = self.reader.pairs().iter();
+            let mut pairs = self.reader.kept(KeptKind::Second);
             second = pairs.find(|pair| pair.is_of(group.span));
         }
         let Some(second) = second else {
@@ -412,7 +418,7 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
         descriptions: [&Description; ARGUMENTS],
     ) -> Result<(), Refusal> {
         let groups = self.segments.groups(step, self.reader.tokens());
-        let exceptions = self.reader.exceptions().iter();
+        let exceptions = self.reader.kept(KeptKind::Exception);
         let is_of = |span: Span| exceptions.clone().any(|exception| exception.is_of(span));
         let mut excepted = groups.filter(|group| is_of(group.span));
         let meant = descriptions.into_iter();
@@ -470,7 +476,8 @@ fn check_table(
     }
 }
 
-/// Whether a description names the object that is moved, which it may only as that from which this is moved.
+/// Whether a description names the object that is moved, which it may only as that from which this is moved, or as any of
+/// several.
 fn has_itself(description: &Description) -> bool {
     let mut relations = description.relations().iter();
     description.filters().is_itself() || relations.any(|relation| relation.to.is_itself())

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::relations::{plan, plan_with, red, refusal};
 use super::*;
 use crate::dsl::Quantifier;
-use crate::model::{Plural, Several};
+use crate::model::{Arrangement, Arrangements, Closing, Model, Opening, Plural, Several};
 use crate::scene::ObservedObject;
 
 /// Ids of the object and the reference of each step.
@@ -311,5 +311,84 @@ fn words_are_in_the_plural_behind_a_quantifier_alone() {
     ] {
         let refused = parse(&several, sentence).unwrap_err();
         assert_eq!(refused.kind(), "unknown_word", "{sentence}");
+    }
+}
+
+/// [`fixture::related`], in which "the pile of" and "the row of" all red ones put them on and right of each other.
+fn arranging() -> Model<'static> {
+    const STEPS: [Arrangement<'static>; 2] = [
+        Arrangement::new().with_order("put").with_relation("on"),
+        Arrangement::new().with_order("put").with_relation("right"),
+    ];
+    const OPENINGS: [Opening<'static>; 2] = [
+        Opening::new().with_text("the pile of").with_pattern(0),
+        Opening::new().with_text("the row of").with_pattern(1),
+    ];
+    const CLOSINGS: [Closing<'static>; 2] = [
+        Closing::new().with_pattern(0).with_arrangement(0),
+        Closing::new().with_pattern(1).with_arrangement(1),
+    ];
+    let arrangements = Arrangements::new()
+        .with_between(&["and"])
+        .with_ends(&["then"])
+        .with_next("then")
+        .with_arrangements(&STEPS)
+        .with_openings(&OPENINGS)
+        .with_closings(&CLOSINGS);
+    let model = fixture::related().with_arrangements(arrangements);
+    assert_eq!(model.check(), Ok(()));
+    model
+}
+
+#[test]
+fn they_are_put_in_relation_to_each_other_and_the_lowest_one_stays() {
+    let model = arranging();
+    for (sentence, action) in [
+        ("the pile of all red", "MoveOn"),
+        ("the row of all red", "MoveRight"),
+    ] {
+        let parsed = Planner::new(&model).parse(sentence).unwrap();
+        let notation = parsed.program().notation(&model).to_string();
+        assert_eq!(
+            notation,
+            std::format!("Action({action}, All(Filter(red, Scene())), Itself())")
+        );
+        let plan = plan_with(&model, &three(), sentence).unwrap();
+        assert_eq!(moved(&plan), [(2, 3), (1, 2)], "{sentence}");
+        // The same from the second step on.
+        let scene = Scene::new(fixture::raw_scene(&model, &three()), &model).unwrap();
+        let mut task = Planner::new(&model).begin_grounding(&scene, plan.parsed(), 1);
+        let rest = loop {
+            if let Poll::Ready(rest) = task.poll() {
+                break rest.unwrap();
+            }
+        };
+        assert_eq!(moved(rest), [(1, 2)], "{sentence}");
+    }
+    let twice = plan_with(
+        &model,
+        &three(),
+        "the row of all red then the pile of all red",
+    )
+    .unwrap();
+    assert_eq!(moved(&twice), [(2, 3), (1, 2), (1, 3), (2, 1)]);
+}
+
+#[test]
+fn one_alone_is_put_in_no_relation_to_itself() {
+    let model = arranging();
+    let one = [three()[0], lego()];
+    let refused = plan_with(&model, &one, "the pile of all red").unwrap_err();
+    let message = refused
+        .in_context(&model, "the pile of all red")
+        .to_string();
+    assert_eq!(refused.kind(), "other_number");
+    assert!(message.contains("means 2 objects, but fits 1"), "{message}");
+    for sentence in [
+        "the pile of red",
+        "the pile of all red on lego",
+        "put all red on lego right",
+    ] {
+        assert!(plan_with(&model, &three(), sentence).is_err(), "{sentence}");
     }
 }
