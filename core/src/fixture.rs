@@ -305,6 +305,7 @@ pub(crate) fn model() -> Model<'static> {
         several: Several::new(),
         rephrasing: Rephrasing::new(),
         simplification: Simplification::new(),
+        perspectives: Perspectives::new(),
         exceptions: Exceptions::new(),
         lists: Lists::new(),
         repairs: Repairs::new(),

@@ -21,6 +21,7 @@ mod embeddings;
 mod exception;
 mod list;
 mod ordinal;
+mod perspectives;
 mod repair;
 mod rephrasing;
 mod sequence;
@@ -34,6 +35,7 @@ pub use embeddings::{Embeddings, Int8WordEmbeddings, WordEmbeddings};
 pub use exception::Exceptions;
 pub use list::Lists;
 pub use ordinal::{Count, CountedFrom, Ordinals, Ranked};
+pub use perspectives::Perspectives;
 pub use repair::Repairs;
 pub use rephrasing::{Rephrased, Rephrasing};
 pub use sequence::{Sequence, SequenceText};
@@ -111,6 +113,8 @@ pub struct Model<'a> {
     pub rephrasing: Rephrasing<'a>,
     /// What a sentence can do without that is refused as it stands.
     pub simplification: Simplification<'a>,
+    /// Whose left is meant.
+    pub perspectives: Perspectives<'a>,
     /// How something is left out of a description.
     pub exceptions: Exceptions<'a>,
     /// How several objects are listed that are moved.

@@ -533,12 +533,12 @@ def test_the_built_in_model_takes_no_sentence_of_other_people_for_another(
     rows = [line.split(",") for line in out.read_text(encoding="utf-8").splitlines()]
     assert rows[0] == list(language.COLUMNS)
     counts = {row[0]: list(map(int, row[2:])) for row in rows[1:]}
-    for name, number, least_right in (("sentences", 81, 70), ("probes", 400, 340)):
+    for name, number, least_right in (("sentences", 82, 70), ("probes", 400, 340)):
         count, right, _, wrong = counts[name]
         assert (count, wrong) == (number, 0) and right >= least_right
-    assert counts["sentences; to refuse"] == [62, 0, 62, 0]
+    assert counts["sentences; to refuse"] == [61, 0, 61, 0]
     count, right, _, wrong = counts["sentences; to refuse; misspelt"]
-    assert count >= 610 and right == 0 and wrong <= 3
+    assert count >= 600 and right == 0 and wrong <= 3
     assert f"{out}: 4 rows" in capsys.readouterr().out
 
 

@@ -18,7 +18,7 @@ use compounds::Compounds;
 pub(crate) use distances::Distances;
 use ordinals::Ordinals;
 pub(crate) use ordinals::Ranked;
-use rewriting::{Apart, Exceptions, Repairs, Sequence, Simplification, Table};
+use rewriting::{Apart, Exceptions, Perspectives, Repairs, Sequence, Simplification, Table};
 pub(crate) use rewriting::{ArrangedStep, Arrangements, Lists, Rephrasing};
 
 /// Keys of a relation of everyday wording that name rules.
@@ -69,6 +69,9 @@ pub struct Domain {
     /// What a refused sentence is read again without.
     #[serde(default)]
     pub simplification: Simplification,
+    /// Whose left is meant.
+    #[serde(default)]
+    pub perspectives: Perspectives,
     /// How objects are left out of a description.
     #[serde(default)]
     pub exceptions: Exceptions,
@@ -360,6 +363,7 @@ impl Domain {
                 self.check_several()?;
                 self.check_rephrasing()?;
                 self.check_repairs()?;
+                self.opposites()?;
                 self.check_sequence()?;
                 self.check_distances()?;
                 self.check_ordinals()?;

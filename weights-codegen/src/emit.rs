@@ -31,7 +31,7 @@ use nsrm_core::model::{
     Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Lists, Model, Opening, Ordinals,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText,
     Several, Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, View,
-    ViewEncoder, Vision, Word, WorkSpace,
+    ViewEncoder, Perspectives, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Not every domain has compounds.

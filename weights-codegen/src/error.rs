@@ -133,6 +133,14 @@ pub enum ModelError {
         /// The word.
         word: String,
     },
+    /// A direction has no opposite, or is not that of its opposite.
+    #[error(
+        "domain: perspectives.opposites: {name:?} and its opposite must be actions, and each that of the other"
+    )]
+    Opposite {
+        /// The name of the action.
+        name: String,
+    },
     /// What is read between the steps of listed objects is no word of the domain.
     #[error("domain: lists: {word:?} is not a word of the domain; add it to the grammar")]
     Listed {

@@ -22,8 +22,8 @@ use crate::rounded::Rounded;
 use crate::tensors::Tensors;
 use distances::DistanceParts;
 use rewriting::{
-    ArrangementParts, CompoundParts, ListParts, OrdinalParts, RephrasingParts, SequenceParts,
-    SimplificationParts, TableParts,
+    ArrangementParts, CompoundParts, ListParts, OrdinalParts, PerspectiveParts, RephrasingParts,
+    SequenceParts, SimplificationParts, TableParts,
 };
 
 /// A model read from a safetensors file, checked and folded.
@@ -63,6 +63,7 @@ struct Parts<'a> {
     rephrasing: RephrasingParts<'a>,
     simplification: SimplificationParts<'a>,
     exceptions: [Vec<&'a str>; 2],
+    perspectives: PerspectiveParts<'a>,
     lists: ListParts<'a>,
     repairs: [Vec<&'a str>; 2],
     sequence: SequenceParts<'a>,
@@ -182,6 +183,7 @@ impl OwnedModel {
                     .with_phrases(&parts.exceptions[0])
                     .with_negations(&parts.exceptions[1]),
             )
+            .with_perspectives(parts.perspectives.lent())
             .with_lists(parts.lists.lent())
             .with_repairs(
                 Repairs::new()
@@ -285,6 +287,7 @@ impl<'a> Parts<'a> {
             simplification: SimplificationParts::new(domain),
             exceptions: [&domain.exceptions.phrases, &domain.exceptions.negations]
                 .map(|texts| texts.iter().map(String::as_str).collect()),
+            perspectives: PerspectiveParts::new(domain)?,
             lists: ListParts::new(&domain.lists),
             repairs: [&domain.repairs.corrections, &domain.repairs.exclusions]
                 .map(|texts| texts.iter().map(String::as_str).collect()),

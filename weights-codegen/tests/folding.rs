@@ -89,6 +89,9 @@ fn names_stand_with_their_parameters() {
     assert_eq!((lists.taking.order, lists.taking.object), ("shift", "then"));
     assert_eq!(model.exceptions.phrases, ["except", "except for"]);
     assert_eq!(model.exceptions.negations, ["that is not"]);
+    assert_eq!(model.perspectives.own, ["as i see it"]);
+    assert_eq!(model.perspectives.other, ["as you see it", "from there"]);
+    assert_eq!(model.perspectives.opposites, [1, 0]);
     assert_eq!(model.lists.between, ["as well as"]);
     assert_eq!(model.lists.them, ["both", "those"]);
     assert_eq!(model.lists.next, ", then");

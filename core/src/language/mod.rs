@@ -18,6 +18,7 @@ mod nearest;
 mod off_table;
 mod ordinals;
 mod parsed;
+mod perspectives;
 mod phrases;
 mod plurals;
 mod pronouns;

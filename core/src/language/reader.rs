@@ -43,6 +43,7 @@ pub(super) struct Reading {
 /// are one group, and "blocks" is read as "block". A quantifier that is also another word is one only
 /// where it is followed so.
 ///
+/// What says whose left is meant ([`crate::model::Perspectives`]) is left out, too.
 /// A sentence that is refused as it stands is read once more without what it can do without
 /// ([`crate::model::Simplification`]). Phrases are read as others that mean the same ([`crate::model::Rephrasing`]).
 /// What is left out of a description ([`crate::model::Exceptions`]), "except the red one", is kept apart from the tokens.
@@ -86,8 +87,12 @@ pub struct Reader {
     choice: usize,
     /// How many readings the sentence has so far.
     readings: usize,
+    /// Whether it is read without what it can do without.
+    simplifies: bool,
     /// Whether words were left out without which the sentence says the same, or read in simpler ones.
     is_simpler: bool,
+    /// Whether it is said from the point of view opposite to the person's, if it says from which.
+    is_opposite: Option<bool>,
     /// What was left out of descriptions, and the second ones of what is between two.
     kept: Vec<Kept, MAX_STEPS, u8>,
     /// The distances that were left out of the tokens.
@@ -118,10 +123,7 @@ impl Reader {
                 .trim_end_matches(|c: char| is_space(c) || is_full_stop(c))
                 .len(),
             choice: reading.number,
-            rewriting: match reading.is_simplified {
-                true => Rewriting::Simplifying { from: 0 },
-                false => Rewriting::Rephrasing { from: 0 },
-            },
+            simplifies: reading.is_simplified,
             ..Self::empty()
         })
     }
@@ -136,10 +138,12 @@ impl Reader {
             corrections: Corrections::new(),
             choice: 0,
             readings: 1,
+            simplifies: false,
             is_simpler: false,
+            is_opposite: None,
             kept: Vec::new(),
             distances: Vec::new(),
-            rewriting: Rewriting::Rephrasing { from: 0 },
+            rewriting: Rewriting::Perspectives { from: 0 },
             chosen: [None; Twofold::COUNT],
         }
     }
@@ -210,6 +214,11 @@ impl Reader {
     /// The distances that were left out of the tokens.
     pub(super) fn distances(&self) -> &[Distance] {
         &self.distances
+    }
+
+    /// Whether directions are those of someone who looks the other way.
+    pub(super) fn is_opposite(&self) -> bool {
+        self.is_opposite == Some(true)
     }
 
     /// How many readings the sentence has so far, as it stands or simplified: 1 without corrections and pronouns.

@@ -7,10 +7,10 @@ use super::{
     DistanceShift, DistanceUnit, Distances, ENCODER_HIDDEN, Embeddings, Exceptions, HAZARD_INPUT,
     Header, Heard, INSTRUCTION, Int8WordEmbeddings, LOCATION, Language, LexiconEntry, Lists,
     MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS,
-    PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, SIMULATOR_HIDDEN,
-    SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several, Simplification, Simulator,
-    Spelling, Superlative, Table, Taking, Thresholds, VIEW_EMBEDDING, View, ViewEncoder, Vision,
-    WORD, Word, WordEmbeddings, WorkSpace,
+    Perspectives, PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing,
+    SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several,
+    Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, VIEW_EMBEDDING,
+    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -60,6 +60,7 @@ builder! {
         several, with_several: Several<'a> = Several::UNSET;
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
         simplification, with_simplification: Simplification<'a> = Simplification::UNSET;
+        perspectives, with_perspectives: Perspectives<'a> = Perspectives::UNSET;
         exceptions, with_exceptions: Exceptions<'a> = Exceptions::UNSET;
         lists, with_lists: Lists<'a> = Lists::UNSET;
         repairs, with_repairs: Repairs<'a> = Repairs::UNSET;
@@ -167,6 +168,11 @@ builder! {
         towards, with_towards: &'a [&'a str] = &[];
         order, with_order: &'a str = "";
         object, with_object: &'a str = "";
+    }
+    ['a] Perspectives<'a> {
+        own, with_own: &'a [&'a str] = &[];
+        other, with_other: &'a [&'a str] = &[];
+        opposites, with_opposites: &'a [u8] = &[];
     }
     ['a] Exceptions<'a> {
         phrases, with_phrases: &'a [&'a str] = &[];

@@ -84,6 +84,12 @@ pub enum ModelFault<'a> {
     /// A word that is read in its place is none of the model's; the word.
     #[error("word \"{0}\", which is read in place of other words, isn't there")]
     RephrasedWord(&'a str),
+    /// What says whose left is meant is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", which says from where something is seen, is empty, out of order or repeated")]
+    PerspectiveText(&'a str),
+    /// Actions have opposites that are not theirs in turn, or other numbers of them.
+    #[error("the actions' opposites are not one for each action, in pairs")]
+    Opposites,
     /// What stands in a list of objects, or in their place, is empty, or not sorted and unique; the text.
     #[error("\"{0}\", which is said of listed objects, is empty, out of order or repeated")]
     ListedText(&'a str),
@@ -310,6 +316,7 @@ impl<'a> Model<'a> {
         self.check_several()?;
         self.check_rephrasing()?;
         self.check_lists()?;
+        self.check_perspectives()?;
         self.check_exceptions()?;
         self.check_repairs()?;
         self.check_sequence()?;

@@ -102,7 +102,7 @@ pub const MAX_POLLS: usize = MAX_READINGS * MAX_SPLITS * READING_POLLS
     + Cause::ALL.len()
     + 2 * MAX_STEPS * GROUNDING_POLLS
     + 3;
-const READING_POLLS: usize = (MAX_FILTERS + 13) * MAX_TOKENS + 6 + MAX_STEPS * (5 + MAX_GROUPS);
+const READING_POLLS: usize = (MAX_FILTERS + 14) * MAX_TOKENS + 6 + MAX_STEPS * (5 + MAX_GROUPS);
 const GROUNDING_POLLS: usize =
     2 * (1 + MAX_RELATIONS) * (MAX_OBJECTS + 1) + MAX_SIDES * MAX_OBJECTS + 1 + 1 + 1;
 

@@ -47,9 +47,7 @@ class BetweenSentences(Draws):
             step = Step(self._between.name, moved, one, reference_which=BOTH)
             sentence = self._doing(moved, alike)
         else:
-            step = Step(
-                self._between.name, moved, one, reference_relations=(Relation(AND, other),)
-            )
+            step = Step(self._between.name, moved, one, reference_relations=(Relation(AND, other),))
             sentence = self._doing(moved, place)
         program: Program = (step,)
         if self._rng.random() < FOLLOWED:

@@ -65,6 +65,7 @@ STREAMS = {
     "wordy": 99,
     "listed": 100,
     "between": 101,
+    "perspectives": 102,
 }
 
 

@@ -19,8 +19,8 @@ COMPOSED = 2
 
 @dataclass(frozen=True)
 class Compound:
-    """An action that is made of others: of any of some, of all of two, one after the other, or halfway
-    between two references."""
+    """An action that is made of others: of any of some, of all of two, one after the other, or
+    halfway between two references."""
 
     __pydantic_config__ = NO_OTHER_KEYS
 

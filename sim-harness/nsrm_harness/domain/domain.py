@@ -31,6 +31,7 @@ from nsrm_harness.domain.rewriting import (
     Arrangements,
     Exceptions,
     Lists,
+    Perspectives,
     Repairs,
     SequenceWords,
     Simplification,
@@ -293,6 +294,8 @@ class Domain:
     ]
     #: How objects are left out of a description.
     exceptions: Annotated[Exceptions | None, Field(default=None), BeforeValidator(_not_null)]
+    #: Whose left is meant.
+    perspectives: Annotated[Perspectives | None, Field(default=None), BeforeValidator(_not_null)]
     #: How several objects are listed that are moved.
     lists: Annotated[Lists | None, Field(default=None), BeforeValidator(_not_null)]
     repairs: Annotated[Repairs | None, Field(default=None), BeforeValidator(_not_null)]

@@ -34,6 +34,7 @@ from nsrm_harness.domain.reader import COUNTING, parse
 from nsrm_harness.domain.rewriting import (
     exceptions_of,
     expanded,
+    perspectives_of,
     repairs_of,
     rephrasing_of,
     sequence_of,
@@ -53,7 +54,7 @@ PRONOUN = "[[it]]"
 TABLES = (
     "synonyms", "extremes", "pronouns", "several", "rephrasing", "simplification", "exceptions",
     "lists", "repairs", "sequence", "distances", "apart", "ordinals", "arrangements", "table",
-    "compounds",
+    "compounds", "perspectives",
 )  # fmt: skip
 #: What a description may be of.
 DESCRIBED = ("moved", "reference", "possessor")
@@ -67,6 +68,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     (
         synonyms, extremes, pronouns, several, rephrasing, simplification, exceptions, lists,
         repairs, sequence, distances, apart, ordinals, arrangements, table, compounds,
+        perspectives,
     ) = (_taken_out(words, name, path) for name in TABLES)  # fmt: skip
     values = {value["name"]: value for each in document["attribute"] for value in each["values"]}
     for name, added in synonyms.items():
@@ -90,6 +92,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["exceptions"] = exceptions
     if lists:
         document["lists"] = lists
+    if perspectives := perspectives_of(perspectives, names, str(path)):
+        document["perspectives"] = perspectives
     if repairs := repairs_of(repairs, str(path)):
         document["repairs"] = repairs
     if sequence := sequence_of(sequence, str(path)):
@@ -258,9 +262,7 @@ class Speaker:
             else:
                 yield from self._expanded(self._choose(self._words.rules[name]), context)
 
-    def _compounded(
-        self, compound: Compound, context: _Context
-    ) -> Iterator[str | tuple[str, ...]]:
+    def _compounded(self, compound: Compound, context: _Context) -> Iterator[str | tuple[str, ...]]:
         yield from self._choose(compound.said).split()
         if not compound.between or not context.reference.relations:
             yield from self._expanded("{reference}", context)

@@ -112,8 +112,9 @@ def parse(document: Mapping[str, Any], source: str) -> Domain:
             raise refusal(source, faults, DomainError)
     domain = _with_its_relations(domain)
     for check in (
-        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _lists, _repairs,
-        _sequence, _distances, _apart, _ordinals, _arrangements, _table, _compounds, _spelling,
+        _words, _held_out, _pronouns, _several, _rephrasing, _exceptions, _perspectives, _lists,
+        _repairs, _sequence, _distances, _apart, _ordinals, _arrangements, _table, _compounds,
+        _spelling,
     ):  # fmt: skip
         if faults := list(check(domain)):
             raise refusal(source, faults, DomainError)
@@ -339,6 +340,21 @@ def _exceptions(domain: Domain) -> Faults:
     said = domain.exceptions
     if said is not None and not all((*said.phrases, *said.negations)):
         yield "exceptions", "expected words: remove the empty string"
+
+
+def _perspectives(domain: Domain) -> Faults:
+    """Whose left is meant is said in words, and opposites are actions, in pairs."""
+    said = domain.perspectives
+    if said is None:
+        return
+    if not all((*said.own, *said.other)):
+        yield "perspectives", "expected words: remove the empty string"
+    names = [action.name for action in domain.actions]
+    for name, opposite in said.opposites.items():
+        if name not in names:
+            yield f"perspectives.opposites.{name}", f"no such action; expected some of {names}"
+        if said.opposites.get(opposite) != name:
+            yield f"perspectives.opposites.{name}", f"is not the opposite of {opposite}"
 
 
 def _lists(domain: Domain) -> Faults:

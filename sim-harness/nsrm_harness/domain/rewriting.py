@@ -131,6 +131,20 @@ class Lists:
 
 
 @dataclass(frozen=True)
+class Perspectives:
+    """How a person says whose left is meant."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: What means the person's own: "as i see it";
+    own: tuple[Phrase, ...]
+    #: what means that of someone who looks the other way, "as you see it";
+    other: tuple[Phrase, ...]
+    #: and the actions that have another one in the opposite direction, each with that.
+    opposites: Mapping[Identifier, Identifier]
+
+
+@dataclass(frozen=True)
 class Repairs:
     """Words by which a speaker takes a description back, or rules one out."""
 
@@ -276,6 +290,22 @@ def with_sides(table: Mapping[str, Any], actions: Collection[str]) -> dict[str, 
 def exceptions_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
     """The exceptions of a wording file with all their texts; nothing if there are none."""
     return _texts_of(table, ("phrases", "negations"), (source, "exceptions"))
+
+
+def perspectives_of(
+    table: Mapping[str, Any], actions: Collection[str], source: str
+) -> dict[str, Any] | None:
+    """The points of view of a wording file with all their texts, for a domain with these actions;
+    nothing if one of them has an opposite that the domain does not have."""
+    texts = _texts_of(table, ("own", "other"), (source, "perspectives"))
+    if texts is None:
+        return None
+    opposites = {
+        name: other for name, other in table.get("opposites", {}).items() if name in actions
+    }
+    if not {*opposites.values()} <= {*actions}:
+        return None
+    return {**texts, "opposites": opposites}
 
 
 def repairs_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:

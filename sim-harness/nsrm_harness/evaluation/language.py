@@ -52,6 +52,7 @@ from nsrm_harness.data.mixed import MixedPrograms
 from nsrm_harness.data.near_misses import NearMisses
 from nsrm_harness.data.on_table import TableSentences
 from nsrm_harness.data.ordinals import OrdinalSentences
+from nsrm_harness.data.perspectives import PerspectiveSentences
 from nsrm_harness.data.pronouns import with_pronoun, without_meaning
 from nsrm_harness.data.repairs import RepairSentences
 from nsrm_harness.data.rephrased import RephrasedSentences
@@ -112,6 +113,8 @@ REPHRASED_COUNT = 2000
 """How many sentences in other phrases, and how many in which these order nothing."""
 WORDY_COUNT = 2000
 """How many sentences with words that they can do without, and how many that order nothing."""
+PERSPECTIVE_COUNT = 2000
+"""How many sentences from a point of view, and how many from nobody's."""
 LIST_COUNT = 2000
 """How many sentences that list what is moved, and how many that list nothing so."""
 EXCEPTION_COUNT = 2000
@@ -178,6 +181,8 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_rephrased(domain, seed)
     if domain.simplification is not None:
         sets |= say_wordy(domain, seed)
+    if domain.perspectives is not None:
+        sets |= say_perspectives(domain, seed)
     if domain.lists is not None:
         sets |= say_lists(domain, seed)
     if domain.exceptions is not None:
@@ -258,6 +263,16 @@ def say_wordy(domain: Domain, seed: int) -> dict[str, Sentences]:
     return {
         "wordy": [sentences.draw() for _ in range(WORDY_COUNT)],
         "no wordy orders": [(sentences.near_miss(), None) for _ in range(WORDY_COUNT)],
+    }
+
+
+def say_perspectives(domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`PERSPECTIVE_COUNT` sentences that say whose left is meant, and as many from the point of
+    view of nobody, by the name of their set."""
+    sentences = PerspectiveSentences(domain, generator(seed, "perspectives", 0))
+    return {
+        "points of view": [sentences.draw() for _ in range(PERSPECTIVE_COUNT)],
+        "no points of view": [(sentences.near_miss(), None) for _ in range(PERSPECTIVE_COUNT)],
     }
 
 
@@ -342,8 +357,8 @@ def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
 
 
 def say_between(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`COMPOUND_COUNT` sentences about what is between two objects, and as many that mean nothing, by
-    the name of their set."""
+    """`COMPOUND_COUNT` sentences about what is between two objects, and as many that mean nothing,
+    by the name of their set."""
     sentences = BetweenSentences(domain, generator(seed, "between", 0))
     return {
         "between": [sentences.draw() for _ in range(COMPOUND_COUNT)],

@@ -36,6 +36,7 @@ PARTS = {
         "rephrasing",
         "simplification",
         "exceptions",
+        "perspectives",
         "lists",
         "repairs",
         "sequence",

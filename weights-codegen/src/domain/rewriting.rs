@@ -60,6 +60,17 @@ pub struct Lists {
     pub next: String,
 }
 
+/// How a person says whose left is meant; without it, nobody can.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Perspectives {
+    /// What means the person's own.
+    pub own: BTreeSet<String>,
+    /// What means that of someone who looks the other way.
+    pub other: BTreeSet<String>,
+    /// Actions, each with the one in the opposite direction.
+    pub opposites: BTreeMap<String, String>,
+}
+
 /// Words by which something is taken back; without them, nothing is.
 #[derive(Debug, Clone, Default, Deserialize)]
 pub struct Repairs {
@@ -193,7 +204,9 @@ impl Domain {
         } = &self.repairs;
         let excepted = phrases.iter().chain(negations);
         let listed = self.lists.between.iter().chain(&self.lists.them);
-        let said = excepted.chain(listed).chain(corrections).chain(exclusions);
+        let seen = self.perspectives.own.iter().chain(&self.perspectives.other);
+        let said = excepted.chain(listed).chain(seen);
+        let said = said.chain(corrections).chain(exclusions);
         let mut words = said.flat_map(|text| text.split(' '));
         if let Some(word) = words.find(|word| !readable(word)) {
             return Err(ModelError::UnreadableWord { word: word.into() });
@@ -204,6 +217,29 @@ impl Domain {
             Some(word) => Err(ModelError::Listed { word: word.into() }),
             None => Ok(()),
         }
+    }
+
+    /// The opposite of each action, itself without one.
+    pub(crate) fn opposites(&self) -> Result<Vec<u8>, ModelError> {
+        let opposites = &self.perspectives.opposites;
+        let index = |name: &String| {
+            let index = self.action_index(name);
+            let index = index.and_then(|index| u8::try_from(index).ok());
+            index.ok_or_else(|| ModelError::Opposite { name: name.clone() })
+        };
+        for (name, opposite) in opposites {
+            index(name)?;
+            if opposites.get(opposite) != Some(name) {
+                return Err(ModelError::Opposite { name: name.clone() });
+            }
+        }
+        if self.perspectives.other.is_empty() {
+            return Ok(Vec::new());
+        }
+        let names = self.action.iter().map(|action| &action.name);
+        names
+            .map(|name| index(opposites.get(name).unwrap_or(name)))
+            .collect()
     }
 
     /// Checks that phrases can be read, and are read as words of the domain.

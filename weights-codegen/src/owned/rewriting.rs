@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
-    Lists, Opening, Ordinals, Ranked, Rephrased, Rephrasing, Sequence, SequenceText,
+    Lists, Opening, Ordinals, Perspectives, Ranked, Rephrased, Rephrasing, Sequence, SequenceText,
     Simplification, Table, Taking,
 };
 
@@ -55,6 +55,13 @@ pub(super) struct ListParts<'a> {
     between: Vec<&'a str>,
     them: Vec<&'a str>,
     next: &'a str,
+}
+
+/// What core reads as slices of [`Perspectives`].
+pub(super) struct PerspectiveParts<'a> {
+    own: Vec<&'a str>,
+    other: Vec<&'a str>,
+    opposites: Vec<u8>,
 }
 
 /// What core reads as slices of [`Sequence`].
@@ -234,6 +241,24 @@ impl<'a> ListParts<'a> {
             .with_between(&self.between)
             .with_them(&self.them)
             .with_next(self.next)
+    }
+}
+
+impl<'a> PerspectiveParts<'a> {
+    pub(super) fn new(domain: &'a Domain) -> Result<Self, ModelError> {
+        let perspectives = &domain.perspectives;
+        Ok(Self {
+            own: perspectives.own.iter().map(String::as_str).collect(),
+            other: perspectives.other.iter().map(String::as_str).collect(),
+            opposites: domain.opposites()?,
+        })
+    }
+
+    pub(super) fn lent(&self) -> Perspectives<'_> {
+        Perspectives::new()
+            .with_own(&self.own)
+            .with_other(&self.other)
+            .with_opposites(&self.opposites)
     }
 }
 

@@ -64,6 +64,17 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
             ),
         ),
         (
+            "perspectives",
+            Node::record(
+                "Perspectives",
+                [
+                    ("own", Node::Reference("OWN_PERSPECTIVE")),
+                    ("other", Node::Reference("OTHER_PERSPECTIVE")),
+                    ("opposites", Node::Reference("OPPOSITES")),
+                ],
+            ),
+        ),
+        (
             "lists",
             Node::record(
                 "Lists",
@@ -257,6 +268,24 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "exceptions.negations",
             "&str",
             model.exceptions.negations,
+        ),
+        table(
+            "OWN_PERSPECTIVE",
+            "perspectives.own",
+            "&str",
+            model.perspectives.own,
+        ),
+        table(
+            "OTHER_PERSPECTIVE",
+            "perspectives.other",
+            "&str",
+            model.perspectives.other,
+        ),
+        table(
+            "OPPOSITES",
+            "perspectives.opposites",
+            "u8",
+            model.perspectives.opposites,
         ),
         table(
             "LISTED_BETWEEN",

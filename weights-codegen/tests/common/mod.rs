@@ -109,6 +109,7 @@ pub(crate) fn domain() -> Value {
         "rephrasing": {"is supposed to": "then", "do so": ""},
         "simplification": {"opening": {"so": ""}, "anywhere": {"uh": "", "by then": "then"}, "closing": {"then": ""}, "taking": {"words": ["take", "lift"], "towards": ["onto"], "order": "shift", "object": "then"}},
         "exceptions": {"phrases": ["except for", "except"], "negations": ["that is not"]},
+        "perspectives": {"own": ["as i see it"], "other": ["from there", "as you see it"], "opposites": {"Flank": "Stack", "Stack": "Flank"}},
         "lists": {"between": ["as well as"], "them": ["those", "both"], "next": ", then"},
         "repairs": {"corrections": ["oh no", "no"], "exclusions": ["not"]},
         "sequence": {

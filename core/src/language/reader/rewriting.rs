@@ -12,6 +12,10 @@ use crate::refusal::Refusal;
 /// looked at.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rewriting {
+    /// For what says whose left is meant.
+    Perspectives {
+        from: usize,
+    },
     /// For what the sentence can do without.
     Simplifying {
         from: usize,
@@ -96,6 +100,7 @@ impl Reader {
         }
         let said = PhraseMatcher { model, sentence };
         match self.rewriting {
+            Rewriting::Perspectives { from } => self.leave_perspective_out(said, from)?,
             Rewriting::Simplifying { from } => self.simplify(said, from)?,
             Rewriting::Rephrasing { from } => self.rephrase(said, from)?,
             Rewriting::Exceptions { from } => self.leave_exception_out(said, from)?,
@@ -115,6 +120,37 @@ impl Reader {
             Rewriting::Done => return self.unknown().map_or(Ok(false), Err),
         }
         Ok(true)
+    }
+
+    /// Leaves out the next words that say whose left is meant, if there are any, and keeps what they say.
+    #[inline(never)]
+    fn leave_perspective_out(
+        &mut self,
+        said: PhraseMatcher<'_, '_>,
+        from: usize,
+    ) -> Result<(), Refusal> {
+        let mut places = from..self.tokens.len();
+        if said.model.perspectives.is_empty() {
+            places.start = places.end;
+        }
+        let Some(found) = places.find_map(|at| said.seen_from(&self.tokens, at)) else {
+            self.rewriting = match self.simplifies {
+                true => Rewriting::Simplifying { from: 0 },
+                false => Rewriting::Rephrasing { from: 0 },
+            };
+            return Ok(());
+        };
+        let span = span_of(self.tokens.get(found.words.clone()).unwrap_or_default());
+        let span = span.ok_or(Refusal::InvalidModel)?;
+        if *self.is_opposite.get_or_insert(found.is_opposite) != found.is_opposite {
+            return Err(unclear(said.model, span));
+        }
+        let mut from = said.replace(&mut self.tokens, &found.words, "", span)?;
+        if let Some(marks) = said.left_over(&self.tokens, from) {
+            from = said.replace(&mut self.tokens, &marks, "", span)?;
+        }
+        self.rewriting = Rewriting::Perspectives { from };
+        Ok(())
     }
 
     /// Leaves out the next words that the sentence can do without, or reads them in simpler ones, if there are any.

@@ -6,6 +6,7 @@ use super::{Decided, ParsingTask, Stage, not_finite};
 use crate::capacity::{ARGUMENTS, MAX_GROUPS, MAX_RELATIONS};
 use crate::dsl::{Argument, Description, Filters, Quantifier, Relation, RelationKind, Step};
 use crate::language::compounds::before_group;
+use crate::language::perspectives::turned;
 use crate::language::pronouns::antecedent;
 use crate::language::tokens::KeptKind;
 use crate::language::{
@@ -178,6 +179,10 @@ impl<T: AsRef<str>> ParsingTask<'_, T> {
             object: description,
             reference: reference_description,
             distance_mm,
+        };
+        let symbols = match self.reader.is_opposite() {
+            true => turned(self.model, &symbols).ok_or(self.unclear(step, span))?,
+            false => symbols,
         };
         // As many places as segments.
         let _ = self.parsed.program.push(symbols);

@@ -6,7 +6,7 @@ mod tests;
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
     COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, Lists, MAX_SIDES, Model,
-    Ordinals, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table, Taking,
+    Ordinals, Perspectives, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table, Taking,
 };
 
 impl<'a> Model<'a> {
@@ -95,6 +95,30 @@ impl<'a> Model<'a> {
             Some(text) => Err(ModelFault::RepairText(text)),
             None => Ok(()),
         }
+    }
+
+    pub(super) fn check_perspectives(&self) -> Result<(), ModelFault<'a>> {
+        let Perspectives {
+            own,
+            other,
+            opposites,
+        } = self.perspectives;
+        let mut texts = [own, other].into_iter();
+        if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            return Err(ModelFault::PerspectiveText(text));
+        }
+        let of = |action: u8| opposites.get(usize::from(action)).copied();
+        let mut actions = (0_u8..).zip(opposites);
+        let are_pairs = actions.all(|(action, opposite)| of(*opposite) == Some(action));
+        let expected = if other.is_empty() {
+            0
+        } else {
+            self.actions.len()
+        };
+        if !are_pairs || opposites.len() != expected {
+            return Err(ModelFault::Opposites);
+        }
+        Ok(())
     }
 
     pub(super) fn check_lists(&self) -> Result<(), ModelFault<'a>> {
@@ -340,6 +364,7 @@ impl<'a> Model<'a> {
             && self.rephrasing.is_empty()
             && self.simplification.is_empty()
             && self.exceptions.is_empty()
+            && self.perspectives.is_empty()
             && self.lists.is_empty()
             && self.repairs.is_empty()
             && self.sequence.is_empty()
