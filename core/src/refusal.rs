@@ -189,15 +189,16 @@ pub enum Refusal {
         /// Id of the object to move.
         object: u32,
     },
-    /// A distance is named from an object of which too little is seen: where it is, is not certain enough. It may be
-    /// the object that is moved.
+    /// A distance is named from an object, or another one is put between it and a third, of which too little is seen: where
+    /// it is, is not certain enough. It may be the object that is moved.
     HiddenReference {
         /// Which step.
         step: u8,
         /// Id of that object.
         object: u32,
     },
-    /// An object is to be moved by a distance from where it is, but does not stand on the table.
+    /// An object is to be moved by a distance from where it is, or another one is to be put between it and a third, but it
+    /// does not stand on the table.
     NotOnTable {
         /// Which step.
         step: u8,

@@ -168,7 +168,8 @@ NSRM_ASSERT(offsetof(nsrm_plan_request, sentence) == 24, "offset of sentence");
 
 /** A relation in a description: to what, and where this lies from it. */
 typedef struct nsrm_relation_message {
-    /** 0: the state that an action brings about; 1: nearest; 2: farthest. */
+    /** 0: the state that an action brings about; 1: nearest; 2: farthest; 3: none, a further
+     *  reference of what is between two. */
     uint32_t kind;
     /** Index of that action in the model; 0 for the other kinds. */
     uint32_t action;

@@ -151,7 +151,8 @@ class Observed:
 
 class Relation(TypedDict):
     """A relation to another object, named by the action that brings it about, or ``Nearest`` or
-    ``Farthest``: of all that fit the concepts."""
+    ``Farthest``: of all that fit the concepts. ``And`` relates nothing: it names the second of two
+    between which something is."""
 
     name: str
     to: Described
@@ -164,7 +165,9 @@ class Related(TypedDict):
     """Its own values; none in "the block left of the yellow one"."""
     which: NotRequired[str]
     """Which one of those that fit: that which lies farthest in a direction, ``leftmost``, or what
-    is counted from there, ``second leftmost``."""
+    is counted from there, ``second leftmost``; ``all``, ``both`` or, in plans, ``each`` of several
+    that are moved, and as the reference ``both`` of two between which something is put; the
+    ``table``; or ``itself``, from where an object is moved, and of several each other one."""
     relation: NotRequired[Relation]
     """What it is related to."""
 

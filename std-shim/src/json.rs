@@ -274,7 +274,7 @@ fn model_details(refusal: &Refusal) -> Option<Value> {
 
 /// A description: the names of its concepts, `["small", "red"]`; with an extreme or of several objects
 /// `{"concepts": ["red"], "which": "leftmost"}`, where `which` may also be `second leftmost`, `all`, `both` and, in plans,
-/// `each`; without some of them `{"concepts": [], "which": "all", "except": ["red"]}`; the table `{"concepts": [], "which": "table"}`, and in the same way the moved object, `itself`; with relations
+/// `each`; without some of them `{"concepts": [], "which": "all", "except": ["red"]}`; the table `{"concepts": [], "which": "table"}`, and in the same way the moved object, or each other one of several, `itself`; with relations
 /// `{"concepts": ["red"], "relation": {"name": "MoveLeft", "to": ["yellow"]}}`, where `to` is a description again.
 pub fn description(model: &Model<'_>, description: &Description) -> Value {
     let relations = description.relations();

@@ -167,6 +167,21 @@ fn what_the_built_in_model_understands_is_as_the_schema_says() {
             json!({"concepts": [], "which": "itself"}),
         ),
         (
+            "put the red block between the blue and the green one",
+            "reference",
+            json!({"concepts": ["blue"], "relation": {"name": "And", "to": ["green"]}}),
+        ),
+        (
+            "put the red block between the two small ones",
+            "reference",
+            json!({"concepts": ["small"], "which": "both"}),
+        ),
+        (
+            "stack all the small blocks",
+            "reference",
+            json!({"concepts": [], "which": "itself"}),
+        ),
+        (
             "put the red block on the table",
             "reference",
             json!({"concepts": [], "which": "table"}),

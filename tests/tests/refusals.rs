@@ -342,7 +342,7 @@ fn object_cases() -> Vec<Case> {
             ..said(
                 "put the small red block 20 mm beside the blue block",
                 |refusal| *refusal == Refusal::HiddenReference { step: 0, object: 3 },
-                "hide too much of object 3 to measure a distance from it",
+                "hide too much of object 3 to tell exactly where it is",
             )
         },
         Case {

@@ -91,9 +91,12 @@ fn names_stand_with_their_parameters() {
     assert_eq!(model.exceptions.negations, ["that is not"]);
     assert_eq!(model.perspectives.own, ["as i see it"]);
     assert_eq!(model.perspectives.other, ["as you see it", "from there"]);
+    assert_eq!(model.perspectives.first_words, ["as", "from"]);
     assert_eq!(model.perspectives.opposites, [1, 0]);
     assert_eq!(model.lists.between, ["as well as"]);
     assert_eq!(model.lists.them, ["both", "those"]);
+    assert_eq!(model.lists.stacking, ["heap"]);
+    assert_eq!(model.lists.aside, ["near"]);
     assert_eq!(model.lists.next, ", then");
     assert_eq!(model.repairs.corrections, ["no", "oh no"]);
     assert_eq!(model.repairs.exclusions, ["not"]);

@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 76361
+#define NSRM_MAX_POLLS 80473
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64
@@ -65,7 +65,7 @@
 /** `which`: the table, and no object. */
 #define NSRM_TABLE 515
 
-/** `which`: the object that is moved, from where it is. */
+/** `which`: the object that is moved, from where it is; of several that are moved, each other one. */
 #define ITSELF 516
 
 /**
@@ -75,7 +75,7 @@
 #define NSRM_RANKED 1024
 
 /** Bytes of a task. */
-#define NSRM_TASK_BYTES 15616
+#define NSRM_TASK_BYTES 15744
 
 /** What a function returns: not negative if it did what it says. */
 enum nsrm_status_t
@@ -254,6 +254,8 @@ enum nsrm_relation_kind_t
     NSRM_RELATION_NEAREST = 1,
     /** It is the farthest from the other object, of all that fit. */
     NSRM_RELATION_FARTHEST = 2,
+    /** None: the other object is a further reference, of what is put or lies between two. */
+    NSRM_RELATION_AND = 3,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

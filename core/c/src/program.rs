@@ -35,7 +35,7 @@ pub const EACH: u32 = 514;
 /// `which`: the table, and no object.
 pub const TABLE: u32 = 515;
 
-/// `which`: the object that is moved, from where it is.
+/// `which`: the object that is moved, from where it is; of several that are moved, each other one.
 pub const ITSELF: u32 = 516;
 
 /// `which`: with an index of `nsrm_ranked_name` added, what is counted from the farthest, the largest or the

@@ -17,7 +17,7 @@ use crate::status::{Status, status};
 use crate::text::{self, write_text};
 
 /// Bytes of a task.
-pub const TASK_BYTES: usize = 15_616;
+pub const TASK_BYTES: usize = 15_744;
 
 /// Memory of a task, which the caller owns: static, on the stack or anywhere else. Initialise it with
 /// `nsrm_begin` or another function that begins; it needs no cleaning up. Do not copy it while something

@@ -20,8 +20,8 @@ pub enum Property {
     Quantifier(Quantifier),
     /// That it is the table, on which objects stand, and no object.
     Table,
-    /// That it is the object that is moved: "5 cm to the left" is seen from where it is. No word of the lexicon
-    /// says so.
+    /// That it is the object that is moved: "5 cm to the left" is seen from where it is; of several that are moved, each
+    /// other one: "stack the red blocks". No word of the lexicon says so.
     Itself,
 }
 

@@ -2,7 +2,8 @@
 //! of `Action(a, Unique(Filter(…)), Unique(Filter(…)))`. Beyond the paper, a description may refer
 //! to another one by a relation, `Unique(Filter(red, Relate(MoveLeft, Unique(…))))`, and say which of
 //! several objects it means, `Unique(Extreme(MoveLeft, Filter(red, …)))`, "the leftmost red one", and
-//! `Extreme(MoveLeft, 2, …)`, "the second red one from the left", or that what is moved are several, `All(Filter(red, …))`, "all red ones".
+//! `Extreme(MoveLeft, 2, …)`, "the second red one from the left", or that what is moved are several, `All(Filter(red, …))`, "all red ones". Between two objects, the
+//! second one is named by `Relate(And, Unique(…))`.
 //!
 //! A program is symbolic: it names actions and concepts by their index in the
 //! model, and no object of any scene. [`Program::notation`] writes it as the

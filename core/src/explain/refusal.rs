@@ -399,14 +399,14 @@ impl Message<'_> {
             ),
             Refusal::HiddenReference { step, object } => write!(
                 f,
-                "step {}: other objects hide too much of object {object} to measure a distance from it; \
-                 name no distance, or take away what hides it",
+                "step {}: other objects hide too much of object {object} to tell exactly where it is; take away \
+                 what hides it, or name neither a distance nor two objects",
                 number(*step)
             ),
             Refusal::NotOnTable { step, object } => write!(
                 f,
-                "step {}: object {object} does not stand on the table, and only what stands there is moved by a \
-                 distance from where it is; say beside or on which object to put it",
+                "step {}: object {object} does not stand on the table, from where objects are moved by a distance, and \
+                 where others are put between two; say beside or on which object to put it",
                 number(*step)
             ),
             Refusal::OutsideTrainingView {

@@ -273,7 +273,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
 }
 
 /// Whether a token describes several objects.
-fn is_several(token: &Token) -> bool {
+pub(super) fn is_several(token: &Token) -> bool {
     let quantifier = token.filters().and_then(Filters::quantifier);
     matches!(quantifier, Some(Quantifier::All | Quantifier::Both))
 }

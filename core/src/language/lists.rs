@@ -9,6 +9,7 @@ use core::ops::Range;
 
 use heapless::Vec;
 
+use super::arrangements::is_several;
 use super::phrases::PhraseMatcher;
 use super::plurals::Number;
 use super::pronouns::pronoun;
@@ -16,6 +17,7 @@ use super::tokens::{Kept, KeptKind, Tokens, push, span_of};
 use super::{Token, TokenKind};
 use crate::capacity::{ARGUMENTS, MAX_STEPS};
 use crate::dsl::{Filters, Property, Quantifier};
+use crate::model::Lists;
 use crate::refusal::Refusal;
 
 /// The places of the objects in a list.
@@ -93,6 +95,36 @@ impl PhraseMatcher<'_, '_> {
                 filters,
                 kind: KeptKind::Second,
             },
+        })
+    }
+
+    /// Whether there are as many descriptions as of two objects in a list, and of a reference.
+    pub(super) fn may_list(&self, tokens: &[Token]) -> bool {
+        let mut groups = tokens.iter().filter(|token| token.is_group());
+        !self.model.lists.is_empty() && groups.nth(ARGUMENTS).is_some()
+    }
+
+    /// The words of a clause in which several objects are put on each other beside another one: "stack the red and the
+    /// blue one left of the white one". What is read beside it would be a row.
+    pub(super) fn stacked_aside(&self, tokens: &[Token]) -> Option<Range<usize>> {
+        let Lists {
+            stacking, aside, ..
+        } = self.model.lists;
+        let stacks = |at: &usize| {
+            let token = tokens.get(*at);
+            token.is_some_and(|token| self.is_one_of(stacking, token))
+        };
+        (0..tokens.len()).filter(stacks).find_map(|at| {
+            let behind = at.checked_add(1)?;
+            let clause = tokens.get(behind..)?;
+            let end = clause.iter().position(|token| self.ends(token));
+            let clause = clause.get(..end.unwrap_or(clause.len()))?;
+            let is_several = clause.iter().any(is_several)
+                || self.listed_before(clause).is_some()
+                || self.list(tokens, at).is_some();
+            let is_aside = clause.iter().any(|token| self.is_one_of(aside, token));
+            let end = behind.checked_add(clause.len())?;
+            (is_several && is_aside).then_some(at..end)
         })
     }
 
@@ -379,6 +411,8 @@ mod tests {
         model.lists = Lists::new()
             .with_between(&["and", "as well as"])
             .with_them(&["them"])
+            .with_stacking(&["put"])
+            .with_aside(&["beside"])
             .with_next("then");
         assert_eq!(model.check(), Ok(()));
         model
@@ -433,6 +467,9 @@ mod tests {
             "put the small red and green nears on lego",
             "take the red and the green on lego",
             "put the red nears and the green on lego",
+            // A tower there.
+            "put the red and the green beside lego",
+            "put all red beside lego",
         ] {
             let kind = read(sentence);
             assert!(!kind.starts_with("Action"), "{sentence}: {kind}");

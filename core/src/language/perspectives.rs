@@ -23,6 +23,9 @@ impl PhraseMatcher<'_, '_> {
     pub(super) fn seen_from(&self, tokens: &[Token], at: usize) -> Option<SeenFrom> {
         let perspectives = self.model.perspectives;
         let rest = tokens.get(at..)?;
+        if !self.is_one_of(perspectives.first_words, rest.first()?) {
+            return None;
+        }
         let own = self.longest::<&str>(rest, perspectives.own);
         let other = self.longest::<&str>(rest, perspectives.other);
         let (length, _) = own.or(other)?;
@@ -117,6 +120,7 @@ mod tests {
         let perspectives = Perspectives::new()
             .with_own(&["as i see it"])
             .with_other(&["as you see it", "from over there"])
+            .with_first_words(&["as", "from"])
             .with_opposites(&[1, 0]);
         let model = fixture::with_compounds().with_perspectives(perspectives);
         assert_eq!(model.check(), Ok(()));

@@ -35,8 +35,11 @@ impl<'a> PhraseMatcher<'_, 'a> {
         for word in parts(text) {
             let token = tokens.next()?;
             // A plural behind "all" is read as a singular.
-            let is_said = || letters(self.text(token)).eq(word.chars());
-            if !self.is(token, word) && !(matches!(token.kind, TokenKind::Word(_)) && is_said()) {
+            let is_said = || {
+                let is_word = matches!(token.kind, TokenKind::Word(_));
+                is_word && letters(self.text(token)).eq(word.chars())
+            };
+            if !self.is(token, word) && !is_said() {
                 return None;
             }
             count = count.saturating_add(1);

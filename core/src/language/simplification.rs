@@ -68,7 +68,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
             .iter()
             .rposition(|token| is_taking(token) || self.puts(token))?;
         let is_taken = said.get(verb).is_some_and(is_taking) && described(said.get(verb..)?) == 1;
-        is_taken.then(|| (at..at, taking.object))
+        is_taken.then_some((at..at, taking.object))
     }
 
     /// The marks that are left over where words were left out before a token: one of two that they stood between, one at
@@ -95,6 +95,22 @@ impl<'a> PhraseMatcher<'_, 'a> {
         is_mark.then_some(start..behind)
     }
 
+    /// The next noun from a token on behind which values stand that are its own: no noun follows them.
+    pub(super) fn postposed(&self, tokens: &[Token], from: usize) -> Option<usize> {
+        let is_noun = |index: usize| {
+            let token = tokens.get(index);
+            token.is_some_and(|token| self.is_one_of(self.model.ordinals.nouns, token))
+        };
+        let has_values = |index: usize| {
+            let filters = tokens.get(index).and_then(Token::filters);
+            filters.is_some_and(|filters| filters.choice().is_none())
+        };
+        (from..tokens.len()).find(|noun| {
+            let values = noun.saturating_add(1);
+            is_noun(*noun) && has_values(values) && !is_noun(values.saturating_add(1))
+        })
+    }
+
     /// Whether a token is one of [`MARKS`].
     pub(super) fn is_mark(&self, tokens: &[Token], at: usize) -> bool {
         let token = tokens.get(at);
@@ -109,7 +125,7 @@ mod tests {
     use crate::fixture::{self, parse};
     use crate::language::reader::Reading;
     use crate::language::{Reader, TokenKind};
-    use crate::model::{Model, Pronoun, Rephrased, Rephrasing, Simplification, Taking};
+    use crate::model::{Model, Ordinals, Pronoun, Rephrased, Rephrasing, Simplification, Taking};
 
     const OPENING: [Rephrased<'static>; 2] = [
         Rephrased::new().with_text("so"),
@@ -223,6 +239,39 @@ mod tests {
             ("lift red on green", "lift red on green"),
         ] {
             assert_eq!(tokens(sentence).join(" "), read);
+        }
+    }
+
+    #[test]
+    fn values_behind_a_noun_are_its_own() {
+        let mut model = model();
+        model.ordinals = Ordinals::new()
+            .with_nouns(&["near"])
+            .with_articles(&["the"]);
+        assert_eq!(model.check(), Ok(()));
+        for (sentence, same) in [
+            (
+                "um put the near red right green",
+                "put the red near right green",
+            ),
+            (
+                "um put the small near red right green",
+                "put the small red near right green",
+            ),
+            (
+                "um put the red near right green",
+                "put the red near right green",
+            ),
+        ] {
+            let expected = parse(&model, same);
+            assert!(expected.is_ok(), "{same}: {expected:?}");
+            assert_eq!(parse(&model, sentence), expected, "{sentence}");
+        }
+        for sentence in [
+            "um put red near green right lego",
+            "um put the near right near",
+        ] {
+            assert!(parse(&model, sentence).is_err(), "{sentence}");
         }
     }
 

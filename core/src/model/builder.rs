@@ -172,6 +172,7 @@ builder! {
     ['a] Perspectives<'a> {
         own, with_own: &'a [&'a str] = &[];
         other, with_other: &'a [&'a str] = &[];
+        first_words, with_first_words: &'a [&'a str] = &[];
         opposites, with_opposites: &'a [u8] = &[];
     }
     ['a] Exceptions<'a> {
@@ -181,6 +182,8 @@ builder! {
     ['a] Lists<'a> {
         between, with_between: &'a [&'a str] = &[];
         them, with_them: &'a [&'a str] = &[];
+        stacking, with_stacking: &'a [&'a str] = &[];
+        aside, with_aside: &'a [&'a str] = &[];
         next, with_next: &'a str = "";
     }
     ['a] Repairs<'a> {

@@ -84,8 +84,11 @@ pub enum ModelFault<'a> {
     /// A word that is read in its place is none of the model's; the word.
     #[error("word \"{0}\", which is read in place of other words, isn't there")]
     RephrasedWord(&'a str),
-    /// What says whose left is meant is empty, or not sorted and unique; the text.
-    #[error("\"{0}\", which says from where something is seen, is empty, out of order or repeated")]
+    /// What says whose left is meant, or a first word of this, is empty, or not sorted and unique, or the first word isn't
+    /// listed; the text.
+    #[error(
+        "\"{0}\", which says from where something is seen, is empty, out of order, repeated, or its first word is not listed"
+    )]
     PerspectiveText(&'a str),
     /// Actions have opposites that are not theirs in turn, or other numbers of them.
     #[error("the actions' opposites are not one for each action, in pairs")]

@@ -12,6 +12,11 @@ pub struct Lists<'a> {
     /// What they are called where they were taken before, "them": words; sorted. Quantifiers may stand before, behind or in
     /// place of them, "both of them".
     pub them: &'a [&'a str],
+    /// Words that put several objects on each other, "stack"; sorted. Near one of `aside`, "stack them left of it", they
+    /// mean a tower there, which is no program.
+    pub stacking: &'a [&'a str],
+    /// Words for a place beside another object, "left"; sorted.
+    pub aside: &'a [&'a str],
     /// What is read between two steps: ", then"; words of the model. Empty if no objects can be listed.
     pub next: &'a str,
 }

@@ -9,6 +9,8 @@ pub struct Perspectives<'a> {
     pub own: &'a [&'a str],
     /// What means that of someone who looks the other way; sorted.
     pub other: &'a [&'a str],
+    /// The first word of each of these; sorted.
+    pub first_words: &'a [&'a str],
     /// For each action, the one in the opposite direction, itself if the direction is the same from both sides: indices
     /// into [`Model::actions`](super::Model::actions). Empty if no other viewpoint can be said.
     pub opposites: &'a [u8],

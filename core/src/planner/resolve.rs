@@ -336,27 +336,24 @@ impl Resolver {
             return Ok(None);
         };
         let anchor = usize::from(grounding.index);
-        if index == anchor || within.second(grounding) == Some(index) {
+        if index == anchor {
             return Ok(Some(-1.0));
         }
         let RelationKind::Action(action) = relation.kind else {
             return Ok(None);
         };
-        // Always there: both are objects of the scene.
-        let (object, anchor) = within
-            .locations
-            .get(index)
-            .zip(within.locations.get(anchor))
-            .ok_or(Refusal::InvalidModel)?;
-        let related = match within
-            .second(grounding)
-            .filter(|_| within.model.is_between(action))
-        {
-            Some(second) => {
-                let second = within.locations.get(second).ok_or(Refusal::InvalidModel)?;
-                between(within.model, within.viewpoint, object, [anchor, second])
+        // Always there: all are objects of the scene.
+        let location = |index: usize| within.locations.get(index).ok_or(Refusal::InvalidModel);
+        let (object, anchor) = (location(index)?, location(anchor)?);
+        let related = if within.model.is_between(action) {
+            let second = within.second(grounding).ok_or(Refusal::InvalidModel)?;
+            if index == second {
+                return Ok(Some(-1.0));
             }
-            None => relate(within.model, within.viewpoint, action, object, anchor),
+            let anchors = [anchor, location(second)?];
+            between(within.model, within.viewpoint, object, anchors)
+        } else {
+            relate(within.model, within.viewpoint, action, object, anchor)
         };
         related.map(Some).ok_or(within.not_finite())
     }

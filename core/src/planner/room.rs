@@ -253,20 +253,22 @@ pub(super) fn between(
     let needed_m =
         libm::sqrtf(farthest_m2) - 1e-3 * f32::from(model.distances.usual_mm) + LEAST_GAP_M;
     let half_m = 0.5 * libm::sqrtf(aside_m2(&one, &other));
-    // Not if it's no number.
-    if !(half_m >= needed_m) {
+    // Not if one of them is no number.
+    let is_wide = half_m >= needed_m;
+    if !is_wide {
         return Err(no_room);
     }
     let [put, _] = puts;
     let (halfway, at) = (nalgebra::center(&one, &other), within.place(&put));
     let put = viewpoint.shifted(&put, halfway.x - at.x, halfway.y - at.y);
-    let seen_past = within.locations.iter().take(within.scene.objects().len());
-    let seen_past = seen_past
+    // Behind one of the two it is seen past the edges, as what is put behind a single one.
+    let others = within.locations.iter().take(within.scene.objects().len());
+    let others = others
         .enumerate()
-        .filter(|(index, _)| !ends.contains(index));
-    let seen_past = seen_past.map(|(_, location)| *location);
+        .filter(|(index, _)| *index != object && !ends.contains(index));
+    let others = others.map(|(_, location)| *location);
     let is_free = is_clear(object, &put, &ends, CLEAR * CLEAR * farthest_m2, within)
-        && !is_hidden(&put, seen_past, HIDDEN);
+        && !is_hidden(&put, others, HIDDEN);
     is_free.then_some(put).ok_or(no_room)
 }
 

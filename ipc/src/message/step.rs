@@ -400,7 +400,7 @@ mod tests {
             |step| step.reference_relation_count = u32::MAX,
             |step| step.object_relations[1].count = 5,
             |step| step.reference_relations[0].action = 256,
-            |step| step.reference_relations[1].kind = 3,
+            |step| step.reference_relations[1].kind = 4,
             |step| {
                 (
                     step.object_relations[0].kind,

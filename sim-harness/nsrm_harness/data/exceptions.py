@@ -54,6 +54,13 @@ class ExceptionSentences(Draws):
 
     def of_step(self, step: Step) -> str:
         """A sentence of a step that leaves something out."""
+        lists = self._domain.lists
+        while True:
+            said = self._order(step)
+            if step.object_which is None or lists is None or not lists.is_tower_aside(said.split()):
+                return said
+
+    def _order(self, step: Step) -> str:
         place = [self._choose(self._domain.action(step.action).phrases)]
         before = [*self._speaker.words("{before}"), *self._speaker.words("{do}")]
         if step.reference_except is not None:

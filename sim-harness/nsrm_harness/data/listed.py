@@ -76,6 +76,8 @@ class ListedSentences(ListDraws):
                 f"put one of {items} {{relation}}",
                 f"put {items} {{relation}} if they are small",
                 f"put both {first} , {second} and the {one} block {{relation}}",
+                f"stack {items} to the left of the {other} block",
+                f"take {items} and stack them behind the {other} block",
             ]
         )
         words = words.replace("{relation}", " ".join(relation))
@@ -95,7 +97,12 @@ class ListedSentences(ListDraws):
         return self._choose([f"the {words} block", f"the {words} one", f"the {words}"])
 
     def _order(self, items: str, step: Step) -> list[str]:
-        verb = self._choose(self._domain.placing)
+        # "Stack them left of it" is a tower there.
+        on = self._domain.actions[0].name
+        verbs = [*self._domain.placing]
+        if step.action != on:
+            verbs = [each for each in verbs if each not in self._said.stacking]
+        verb = self._choose(verbs)
         relation = self._speaker.words(self._choose(self._relations[step.action]), step)
         if self._rng.random() > TAKEN:
             return [verb, items, *relation]

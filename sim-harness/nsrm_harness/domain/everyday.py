@@ -212,7 +212,9 @@ class Speaker:
         behind: Sequence[str] = (),
     ) -> list[str]:
         """Random words for an alternative of a rule, in which no description follows another one
-        directly: both would be read as one."""
+        directly, for both would be read as one, and no tower is built beside another object, which
+        no step means."""
+        lists = self._domain.lists if step is not None and step.object_which is not None else None
         while True:
             try:
                 parts = list(self._expanded(text, _Context.of(step, index)))
@@ -220,10 +222,12 @@ class Speaker:
                 continue
             ends_described = bool(behind) and behind[-1] in self._lexicon
             described = [ends_described, *(isinstance(part, tuple) for part in parts)]
-            if not any(pair == (True, True) for pair in pairwise(described)):
-                return [
-                    word for part in parts for word in ([part] if isinstance(part, str) else part)
-                ]
+            if any(pair == (True, True) for pair in pairwise(described)):
+                continue
+            words = [word for part in parts for word in ([part] if isinstance(part, str) else part)]
+            if lists is not None and lists.is_tower_aside(words):
+                continue
+            return words
 
     def _expanded(self, text: str, context: _Context) -> Iterator[str | tuple[str, ...]]:
         """The words, with those of a description's values together."""

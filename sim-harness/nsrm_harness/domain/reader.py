@@ -362,7 +362,7 @@ def _lists(domain: Domain) -> Faults:
     said = domain.lists
     if said is None:
         return
-    if not all((*said.between, *said.them, said.next)):
+    if not all((*said.between, *said.them, *said.stacking, *said.aside, said.next)):
         yield "lists", "expected words: remove the empty string"
     for word in said.next.split(" "):
         if word and word not in domain.other_words():

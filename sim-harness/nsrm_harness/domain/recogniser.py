@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -34,6 +34,7 @@ class Recogniser:
     #: What a sentence can do without.
     _simplification: Simplification | None = None
     _articles: Sequence[str] = ()
+    _nouns: Sequence[str] = ()
 
     @classmethod
     def of(cls, domain: Domain, rules: Mapping[str, Sequence[str]] | None = None) -> Recogniser:
@@ -44,14 +45,16 @@ class Recogniser:
         every = {**recognised_rules(domain), **(rules or {})}
         tries = {name: _trie(texts) for name, texts in every.items()}
         articles = () if domain.ordinals is None else domain.ordinals.articles
-        return cls(tries, domain.simplification, articles)
+        nouns = tuple(word for text in every["noun"] for word in text.split())
+        return cls(tries, domain.simplification, articles, nouns)
 
     def command(self, words: Sequence[str]) -> bool:
         """Whether the words, with group tokens, are a step or a command, also without those that it
         can do without."""
         readings = [words]
         if self._simplification is not None:
-            readings.append(self._simplification.simplified(words, self._articles))
+            left = self._simplification.simplified(words, self._articles)
+            readings.append(_with_values_before(left, self._nouns))
         return any(self.step(each) or self.program(each) for each in readings)
 
     def step(self, words: Sequence[str]) -> bool:
@@ -107,6 +110,20 @@ class Recogniser:
                     left += [(behind, end) for end in self._ends(name, place, words, memo)]
             found = memo[rule, start] = frozenset(ends)
         return found
+
+
+def _with_values_before(words: Sequence[str], nouns: Collection[str]) -> list[str]:
+    """The words with group tokens before their nouns: "the block [[X]]" is "the [[X]] block"."""
+    told, left = list[str](), list(words)
+    while left:
+        first, *left = left
+        is_noun = first in nouns and left[:1] == [GROUP_TOKEN] and {*left[1:2]}.isdisjoint(nouns)
+        if is_noun:
+            del left[0]
+            # Values on both sides are one group.
+            told += [] if told[-1:] == [GROUP_TOKEN] else [GROUP_TOKEN]
+        told.append(first)
+    return told
 
 
 @dataclass

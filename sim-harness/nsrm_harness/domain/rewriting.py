@@ -61,7 +61,7 @@ class Simplification:
     def simplified(self, words: Sequence[str], articles: Collection[str]) -> list[str]:
         """What is left of a sentence: see ``nsrm_core::model::Simplification``.
 
-        What is taken is not read in other words here.
+        What is taken is not read in other words here, nor are values put before their nouns.
         """
         words, at = [*words], 0
         while at < len(words):
@@ -128,6 +128,17 @@ class Lists:
     them: tuple[Phrase, ...]
     #: and what is read between two steps: ", then".
     next: Phrase
+    #: Words that put several on each other, "stack": with a word of `aside`, they mean a tower
+    #: there.
+    stacking: tuple[Phrase, ...] = ()
+    #: Words for a place beside another object: "left".
+    aside: tuple[Phrase, ...] = ()
+
+    def is_tower_aside(self, words: Iterable[str]) -> bool:
+        """Whether the words of a step about several objects, "stack all blocks left of it", mean a
+        tower beside another object."""
+        said = {*words}
+        return bool(said & {*self.stacking}) and bool(said & {*self.aside})
 
 
 @dataclass(frozen=True)

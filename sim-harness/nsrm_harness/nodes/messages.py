@@ -417,7 +417,8 @@ class RelationMessage(ctypes.Structure):
     """A relation in a description: to what, and where this lies from it."""
 
     _fields_: ClassVar = [
-        # 0: the state that an action brings about; 1: nearest; 2: farthest.
+        # 0: the state that an action brings about; 1: nearest; 2: farthest; 3: none, a further
+        # reference of what is between two.
         ("kind", ctypes.c_uint32),
         # Index of that action in the model; 0 for the other kinds.
         ("action", ctypes.c_uint32),

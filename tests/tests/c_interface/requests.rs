@@ -379,5 +379,6 @@ fn kind(description: &Description) -> u32 {
         None | Some(RelationKind::Action(_)) => 0,
         Some(RelationKind::Nearest) => 1,
         Some(RelationKind::Farthest) => 2,
+        Some(RelationKind::And) => 3,
     }
 }

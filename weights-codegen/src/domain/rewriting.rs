@@ -56,6 +56,12 @@ pub struct Lists {
     pub between: BTreeSet<String>,
     /// What they are called where they were taken before.
     pub them: BTreeSet<String>,
+    /// Words that put several objects on each other.
+    #[serde(default)]
+    pub stacking: BTreeSet<String>,
+    /// Words for a place beside another object.
+    #[serde(default)]
+    pub aside: BTreeSet<String>,
     /// What is read between two steps.
     pub next: String,
 }
@@ -203,7 +209,9 @@ impl Domain {
             exclusions,
         } = &self.repairs;
         let excepted = phrases.iter().chain(negations);
-        let listed = self.lists.between.iter().chain(&self.lists.them);
+        let lists = &self.lists;
+        let listed = lists.between.iter().chain(&lists.them);
+        let listed = listed.chain(&lists.stacking).chain(&lists.aside);
         let seen = self.perspectives.own.iter().chain(&self.perspectives.other);
         let said = excepted.chain(listed).chain(seen);
         let said = said.chain(corrections).chain(exclusions);

@@ -54,6 +54,8 @@ pub(super) struct SimplificationParts<'a> {
 pub(super) struct ListParts<'a> {
     between: Vec<&'a str>,
     them: Vec<&'a str>,
+    stacking: Vec<&'a str>,
+    aside: Vec<&'a str>,
     next: &'a str,
 }
 
@@ -61,6 +63,7 @@ pub(super) struct ListParts<'a> {
 pub(super) struct PerspectiveParts<'a> {
     own: Vec<&'a str>,
     other: Vec<&'a str>,
+    first_words: Vec<&'a str>,
     opposites: Vec<u8>,
 }
 
@@ -232,6 +235,8 @@ impl<'a> ListParts<'a> {
         Self {
             between: lists.between.iter().map(String::as_str).collect(),
             them: lists.them.iter().map(String::as_str).collect(),
+            stacking: lists.stacking.iter().map(String::as_str).collect(),
+            aside: lists.aside.iter().map(String::as_str).collect(),
             next: &lists.next,
         }
     }
@@ -240,6 +245,8 @@ impl<'a> ListParts<'a> {
         Lists::new()
             .with_between(&self.between)
             .with_them(&self.them)
+            .with_stacking(&self.stacking)
+            .with_aside(&self.aside)
             .with_next(self.next)
     }
 }
@@ -247,9 +254,12 @@ impl<'a> ListParts<'a> {
 impl<'a> PerspectiveParts<'a> {
     pub(super) fn new(domain: &'a Domain) -> Result<Self, ModelError> {
         let perspectives = &domain.perspectives;
+        let texts = perspectives.own.iter().chain(&perspectives.other);
+        let first_words: BTreeSet<_> = texts.filter_map(|text| text.split(' ').next()).collect();
         Ok(Self {
             own: perspectives.own.iter().map(String::as_str).collect(),
             other: perspectives.other.iter().map(String::as_str).collect(),
+            first_words: first_words.into_iter().collect(),
             opposites: domain.opposites()?,
         })
     }
@@ -258,6 +268,7 @@ impl<'a> PerspectiveParts<'a> {
         Perspectives::new()
             .with_own(&self.own)
             .with_other(&self.other)
+            .with_first_words(&self.first_words)
             .with_opposites(&self.opposites)
     }
 }

@@ -70,6 +70,7 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
                 [
                     ("own", Node::Reference("OWN_PERSPECTIVE")),
                     ("other", Node::Reference("OTHER_PERSPECTIVE")),
+                    ("first_words", Node::Reference("PERSPECTIVE_FIRST_WORDS")),
                     ("opposites", Node::Reference("OPPOSITES")),
                 ],
             ),
@@ -81,6 +82,8 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
                 [
                     ("between", Node::Reference("LISTED_BETWEEN")),
                     ("them", Node::Reference("LISTED_THEM")),
+                    ("stacking", Node::Reference("STACKING")),
+                    ("aside", Node::Reference("STACKED_ASIDE")),
                     ("next", model.lists.next.describe()),
                 ],
             ),
@@ -282,6 +285,12 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             model.perspectives.other,
         ),
         table(
+            "PERSPECTIVE_FIRST_WORDS",
+            "perspectives.first_words",
+            "&str",
+            model.perspectives.first_words,
+        ),
+        table(
             "OPPOSITES",
             "perspectives.opposites",
             "u8",
@@ -294,6 +303,8 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             model.lists.between,
         ),
         table("LISTED_THEM", "lists.them", "&str", model.lists.them),
+        table("STACKING", "lists.stacking", "&str", model.lists.stacking),
+        table("STACKED_ASIDE", "lists.aside", "&str", model.lists.aside),
         table(
             "REPAIRS_CORRECTIONS",
             "repairs.corrections",

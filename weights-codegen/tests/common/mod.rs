@@ -110,7 +110,7 @@ pub(crate) fn domain() -> Value {
         "simplification": {"opening": {"so": ""}, "anywhere": {"uh": "", "by then": "then"}, "closing": {"then": ""}, "taking": {"words": ["take", "lift"], "towards": ["onto"], "order": "shift", "object": "then"}},
         "exceptions": {"phrases": ["except for", "except"], "negations": ["that is not"]},
         "perspectives": {"own": ["as i see it"], "other": ["from there", "as you see it"], "opposites": {"Flank": "Stack", "Stack": "Flank"}},
-        "lists": {"between": ["as well as"], "them": ["those", "both"], "next": ", then"},
+        "lists": {"between": ["as well as"], "them": ["those", "both"], "stacking": ["heap"], "aside": ["near"], "next": ", then"},
         "repairs": {"corrections": ["oh no", "no"], "exclusions": ["not"]},
         "sequence": {
             "later": {"before you": "", "before shifting": "shift"},

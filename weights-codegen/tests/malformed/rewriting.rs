@@ -135,7 +135,7 @@ fn compounds_that_are_made_of_nothing() {
         ),
         (
             |one| one["all"] = json!(["Flank", "Stack"]),
-            &["\"Nearby\"", "not both"],
+            &["\"Nearby\"", "only one of these"],
         ),
         (
             |one| (one["any"], one["all"]) = (json!([]), json!(["Flank"])),

@@ -160,6 +160,7 @@ impl Reader {
         let mut places = from..self.tokens.len();
         let found = places.find_map(|at| said.simpler(&self.tokens, at));
         let Some((words, read_as)) = found else {
+            self.put_values_before_nouns(said)?;
             self.rewriting = Rewriting::Rephrasing { from: 0 };
             return self.is_simpler.then_some(()).ok_or(Refusal::NoWords);
         };
@@ -183,6 +184,23 @@ impl Reader {
             }
         }
         self.rewriting = Rewriting::Simplifying { from };
+        Ok(())
+    }
+
+    /// Puts values that stand behind their noun before it: "the small block red" is "the small red block".
+    fn put_values_before_nouns(&mut self, said: PhraseMatcher<'_, '_>) -> Result<(), Refusal> {
+        let mut at = 0_usize;
+        while let Some(noun) = said.postposed(&self.tokens, at) {
+            let behind = noun.saturating_add(1);
+            if let Some(places) = self.tokens.get_mut(noun..=behind)
+                && let [noun, values] = places
+            {
+                core::mem::swap(noun, values);
+                self.is_simpler = true;
+            }
+            self.join_neighbours(said, noun)?;
+            at = behind;
+        }
         Ok(())
     }
 
@@ -413,8 +431,12 @@ impl Reader {
     /// has two readings.
     #[inline(never)]
     fn write_list(&mut self, said: PhraseMatcher<'_, '_>, from: usize) -> Result<(), Refusal> {
+        if let Some(words) = said.stacked_aside(&self.tokens) {
+            let span = span_of(self.tokens.get(words).unwrap_or_default());
+            return Err(unclear(said.model, span.ok_or(Refusal::InvalidModel)?));
+        }
         let mut places = from..self.tokens.len();
-        if said.model.lists.is_empty() {
+        if !said.may_list(&self.tokens) {
             places.start = places.end;
         }
         self.rewriting = match places.find_map(|at| said.list(&self.tokens, at)) {

@@ -101,10 +101,14 @@ impl<'a> Model<'a> {
         let Perspectives {
             own,
             other,
+            first_words,
             opposites,
         } = self.perspectives;
-        let mut texts = [own, other].into_iter();
-        if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+        let mut texts = [own, other, first_words].into_iter();
+        let unsorted = texts.find_map(|texts| first_unsorted(texts.iter().copied()));
+        let begins = |text: &str| first_words.contains(&text.split(' ').next().unwrap_or_default());
+        let mut said = own.iter().chain(other).copied();
+        if let Some(text) = unsorted.or_else(|| said.find(|text| !begins(text))) {
             return Err(ModelFault::PerspectiveText(text));
         }
         let of = |action: u8| opposites.get(usize::from(action)).copied();
@@ -125,9 +129,11 @@ impl<'a> Model<'a> {
         let Lists {
             between,
             them,
+            stacking,
+            aside,
             next,
         } = self.lists;
-        let mut texts = [between, them].into_iter();
+        let mut texts = [between, them, stacking, aside].into_iter();
         if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
             return Err(ModelFault::ListedText(text));
         }

@@ -477,3 +477,20 @@ fn distances_that_are_not_finite_are_refused() {
     );
     assert!(refused.is_err());
 }
+
+#[test]
+fn what_the_anchor_is_described_by_may_be_meant_itself() {
+    let objects = [
+        green(),
+        fixture::object(9, OTHER, fixture::LEGO, 0.3, 0.5),
+        red(2, 0.8, 0.8),
+    ];
+    for sentence in [
+        "put lego closest green beside lego right red",
+        "put red right lego closest green beside lego",
+    ] {
+        let plan = plan(&objects, sentence).unwrap_or_else(|refusal| panic!("{refusal:?}"));
+        let (object, reference) = meant(&plan);
+        assert!([object, reference].contains(&9), "{sentence}");
+    }
+}

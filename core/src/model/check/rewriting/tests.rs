@@ -3,8 +3,9 @@ use crate::dsl::Extreme;
 use crate::fixture;
 use crate::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundKind, CompoundText, Compounds, Count,
-    CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, MAX_SIDES, Opening, Ordinals, Ranked,
-    Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Simplification, Table, Taking,
+    CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Lists, MAX_SIDES, Opening, Ordinals,
+    Perspectives, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText, Simplification,
+    Table, Taking,
 };
 
 #[test]
@@ -117,7 +118,7 @@ fn each_fault_of_a_compound_is_named() {
         check(|made| (made.compounds, made.said) = (&[ANY], &[BY])),
         Ok(())
     );
-    let faults: [(Change, ModelFault<'_>); 12] = [
+    let faults: [(Change, ModelFault<'_>); 13] = [
         (
             |made| made.first_words = &["by", "what", "past"],
             ModelFault::CompoundText("close to"),
@@ -140,6 +141,13 @@ fn each_fault_of_a_compound_is_named() {
         ),
         (
             |made| made.compounds = &[const { ANY.with_kind(CompoundKind::All) }; 5],
+            ModelFault::CompoundParts("NextTo"),
+        ),
+        (
+            |made| {
+                made.compounds =
+                    &[const { ANY.with_kind(CompoundKind::Between).with_parts(&[1, 0]) }; 5];
+            },
             ModelFault::CompoundParts("NextTo"),
         ),
         (
@@ -265,7 +273,7 @@ fn each_fault_of_what_is_read_as_other_words_is_named() {
         ),
     ] {
         let simplification = none.with_taking(taking);
-        let checked = model.clone().with_simplification(simplification).check();
+        let checked = model.with_simplification(simplification).check();
         assert_eq!(checked, Err(fault));
     }
     for simplification in [
@@ -273,7 +281,7 @@ fn each_fault_of_what_is_read_as_other_words_is_named() {
         none.with_anywhere(list),
         none.with_closing(list),
     ] {
-        let checked = model.clone().with_simplification(simplification).check();
+        let checked = model.with_simplification(simplification).check();
         assert_eq!(checked, Err(ModelFault::Rephrased("so")));
     }
     assert_eq!(check(["is to", "so that"], "", first), Ok(()));
@@ -376,4 +384,39 @@ fn each_fault_of_distances_is_named() {
     let mut model = fixture::with_distances();
     model.actions = fixture::model().actions;
     assert_eq!(model.check(), Err(ModelFault::DistanceWord("to")));
+}
+
+#[test]
+fn each_fault_of_perspectives_and_lists_is_named() {
+    let model = fixture::model();
+    let said = Perspectives::new()
+        .with_own(&["as i see it"])
+        .with_other(&["as you see it", "from there"])
+        .with_first_words(&["as", "from"])
+        .with_opposites(&[1, 0]);
+    let check = |perspectives| model.with_perspectives(perspectives).check();
+    assert_eq!(check(said), Ok(()));
+    for (perspectives, fault) in [
+        (
+            said.with_own(&["from here", "as i see it"]),
+            ModelFault::PerspectiveText("as i see it"),
+        ),
+        (
+            said.with_first_words(&["as"]),
+            ModelFault::PerspectiveText("from there"),
+        ),
+        (said.with_opposites(&[1]), ModelFault::Opposites),
+        (said.with_opposites(&[1, 1]), ModelFault::Opposites),
+        (said.with_opposites(&[]), ModelFault::Opposites),
+        (said.with_other(&[]), ModelFault::Opposites),
+    ] {
+        assert_eq!(check(perspectives), Err(fault));
+    }
+    let lists = Lists::new().with_between(&["and"]).with_next("the");
+    let check = |lists| model.with_lists(lists).check();
+    assert_eq!(check(lists), Ok(()));
+    let fault = check(lists.with_them(&["them", "them"]));
+    assert_eq!(fault, Err(ModelFault::ListedText("them")));
+    let fault = check(lists.with_next("whereupon"));
+    assert_eq!(fault, Err(ModelFault::ListedWord("whereupon")));
 }
