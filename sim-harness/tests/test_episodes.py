@@ -285,6 +285,7 @@ def test_only_the_judges_tools_import_the_judge_and_few_modules_open_hdf5() -> N
         "visualization/illustrate.py",
         "paper/tables/concepts.py",
         "paper/tables/failures.py",
+        "data/between.py",
         "data/extremes.py",
         "data/compounds.py",
         "data/distances.py",

@@ -167,9 +167,14 @@ def means_list(domain: Domain, sentence: str) -> bool:
 
 def means_rewritten(domain: Domain, sentence: str) -> bool:
     """Whether a sentence of known words may mean what the core reads in other words: a compound,
-    a list, what is taken from another object, steps in another order, or another phrase."""
+    a list, what is taken from another object, steps in another order, or another phrase. Also
+    without what it can do without."""
     meant = (means_compound, means_list, _means_source, _means_sequence, _means_rephrased)
-    return any(means(domain, sentence) for means in meant)
+    readings = [sentence]
+    if domain.simplification is not None:
+        articles = domain.ordinals.articles if domain.ordinals is not None else ()
+        readings.append(" ".join(domain.simplification.simplified(split(sentence), articles)))
+    return any(means(domain, reading) for reading in readings for means in meant)
 
 
 def _means_rephrased(domain: Domain, sentence: str) -> bool:

@@ -34,7 +34,7 @@ from nsrm_harness.cli.commands.options import (
 @click.option(
     "--near-misses",
     type=click.IntRange(0),
-    default=4000,
+    default=20_000,
     show_default=True,
     help="Number of near misses of everyday wording.",
 )
