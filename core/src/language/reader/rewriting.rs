@@ -422,7 +422,10 @@ impl Reader {
         if has_room && (meant.is_sure || self.chooses(Twofold::Compounds)) {
             let pair;
             (from, pair) = said.replace_compound(&mut self.tokens, &meant)?;
-            self.kept.extend(pair);
+            if let Some(pair) = pair {
+                // There is room.
+                let _ = self.kept.push(pair);
+            }
         }
         Ok(Rewriting::Compounds { from })
     }
