@@ -428,6 +428,14 @@ fn what_is_meant_is_planned_and_what_is_meant_otherwise_refused() {
              say only how far apart the two should be",
         ),
         (
+            "put the red block between the blue one",
+            "\"between\" is only understood with two objects behind it, as in \"between the … and the …\"; name both",
+        ),
+        (
+            "put the red block in the middle",
+            "\"middle\" is only understood with two objects behind it",
+        ),
+        (
             "put the two centimetres red block left of the blue one",
             "\"two\" is only understood in a distance from another object",
         ),

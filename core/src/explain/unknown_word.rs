@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::language::{nearest_word, said_around, said_between, unit_of};
+use crate::language::{nearest_word, said_around, said_between, said_of_two, unit_of};
 use crate::model::Model;
 
 /// What is known of an unknown word.
@@ -15,6 +15,8 @@ pub(super) enum UnknownWord<'a> {
     AroundList(&'a str, &'a str),
     /// It stands between two descriptions, in this text.
     BetweenDescriptions(&'a str),
+    /// Two objects stand behind it, in this text: "between".
+    OfTwo(&'a str),
     /// It is a unit of length; and how a person says where a side is.
     Unit(&'a str, &'a str),
 }
@@ -25,6 +27,8 @@ impl<'a> UnknownWord<'a> {
             Self::AroundList(before, behind)
         } else if let Some(text) = said_between(model, word) {
             Self::BetweenDescriptions(text)
+        } else if let Some(text) = said_of_two(model, word) {
+            Self::OfTwo(text)
         } else if let Some((unit, side)) = unit_of(model, word) {
             Self::Unit(unit, side)
         } else {
@@ -55,6 +59,11 @@ impl<'a> UnknownWord<'a> {
                 f,
                 "{word} is only understood between two descriptions, as in \"the … {text} the …\", \
                  with the same words before both; say only what you mean"
+            ),
+            Self::OfTwo(text) => write!(
+                f,
+                "{word} is only understood with two objects behind it, as in \
+                 \"{text} the … and the …\"; name both"
             ),
             Self::Unit(unit, side) => write!(
                 f,

@@ -8,12 +8,12 @@
 use core::ops::Range;
 
 use super::lists::{Pair, single};
-use super::phrases::PhraseMatcher;
+use super::phrases::{PhraseMatcher, parts};
 use super::tokens::{Kept, Tokens, span_of};
-use super::words::find;
+use super::words::{find, letters};
 use super::{Span, Token, TokenKind};
 use crate::dsl::Quantifier;
-use crate::model::{Compound, CompoundKind};
+use crate::model::{Compound, CompoundKind, CompoundText, Compounds, Model};
 use crate::refusal::Refusal;
 
 /// The words of a compound among the tokens.
@@ -176,6 +176,20 @@ pub(super) fn before_group(tokens: &[Token], group: usize) -> impl Iterator<Item
         TokenKind::Compound { compound, .. } if passed == group => Some(compound),
         _ => None,
     })
+}
+
+/// How a person says that something is between two objects, if this is one of the words for it.
+pub(crate) fn said_of_two<'a>(model: &Model<'a>, word: &str) -> Option<&'a str> {
+    let Compounds {
+        compounds, said, ..
+    } = model.compounds;
+    let has = |text: &str| parts(text).any(|part| letters(word).eq(part.chars()));
+    let mut meant = said.iter().filter(|said| has(said.text));
+    let of_two = |said: &CompoundText<'a>| {
+        let compound = compounds.get(usize::from(said.compound))?;
+        (compound.kind == CompoundKind::Between).then_some(compound.phrase)
+    };
+    meant.find_map(of_two)
 }
 
 #[cfg(test)]

@@ -38,6 +38,7 @@ mod words;
 
 pub use acceptability::Acceptability;
 pub(crate) use arrangements::said_around;
+pub(crate) use compounds::said_of_two;
 pub use decoders::{choose_action, choose_group};
 pub(crate) use distances::unit_of;
 pub use encoder::Encoder;
