@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 from typing import Literal
 
@@ -36,6 +37,27 @@ def test_the_parts_are_the_whole_image(precision: Literal["f32", "int8"]) -> Non
     assert sizes[CODE] == image.flash - weights
     # With them, some code is left out.
     assert sum(sizes[name] for name in OF_VISION) < image.flash - alone.flash
+
+
+def test_the_readme_tells_what_was_counted() -> None:
+    readme = " ".join((COUNTED.parents[2] / "README.md").read_text(encoding="utf-8").split())
+    with COUNTED.open(encoding="utf-8", newline="") as file:
+        rows = [
+            row
+            for row in csv.DictReader(file)
+            if (row["target"], row["vision"]) == ("cortex-m7", "no")
+        ]
+    told = {
+        row["precision"]: (
+            f"{int(row['instructions_1']) / 1e6:.1f} million",
+            f"{int(row['flash_bytes']) / 1024:.0f} KB",
+        )
+        for row in rows
+    }
+    instructions, flash = told["f32"]
+    assert f"plans one step with {instructions} instructions and {flash} of flash" in readme
+    instructions, flash = told["int8"]
+    assert f"or with {instructions} and {flash} if weights have [eight bits]" in readme
 
 
 def test_the_command_draws_a_file(tmp_path: Path) -> None:
