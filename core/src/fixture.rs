@@ -656,3 +656,11 @@ pub(crate) fn parse(model: &Model<'_>, sentence: &str) -> Result<String, Refusal
         }
     }
 }
+
+/// The same, or the kind of its refusal.
+pub(crate) fn read(model: &Model<'_>, sentence: &str) -> String {
+    match parse(model, sentence) {
+        Ok(program) => program,
+        Err(refusal) => refusal.kind().into(),
+    }
+}

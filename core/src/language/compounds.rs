@@ -201,12 +201,9 @@ mod tests {
 
     /// How a sentence is understood, with shorter names.
     fn read(sentence: &str) -> String {
-        match parse(&fixture::with_compounds(), sentence) {
-            Ok(program) => program
-                .replace("Unique(Filter(", "(")
-                .replace(", Scene()))", ")"),
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&fixture::with_compounds(), sentence)
+            .replace("Unique(Filter(", "(")
+            .replace(", Scene()))", ")")
     }
 
     #[test]

@@ -274,16 +274,13 @@ mod tests {
     use std::string::String;
 
     use super::decimal;
-    use crate::fixture::{self, parse};
+    use crate::fixture;
 
     /// How a sentence is understood, with shorter names.
     fn read(sentence: &str) -> String {
-        match parse(&fixture::with_distances(), sentence) {
-            Ok(program) => program
-                .replace("Unique(Filter(", "(")
-                .replace(", Scene()))", ")"),
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&fixture::with_distances(), sentence)
+            .replace("Unique(Filter(", "(")
+            .replace(", Scene()))", ")")
     }
 
     #[test]

@@ -149,16 +149,13 @@ impl PhraseMatcher<'_, '_> {
 mod tests {
     use std::string::String;
 
-    use crate::fixture::{self, parse};
+    use crate::fixture;
 
     /// How a sentence is understood, with shorter names.
     fn read(sentence: &str) -> String {
-        match parse(&fixture::with_exceptions(), sentence) {
-            Ok(program) => program
-                .replace("Action(MoveOn, ", "(")
-                .replace(", Unique(Filter(lego, Scene())))", ")"),
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&fixture::with_exceptions(), sentence)
+            .replace("Action(MoveOn, ", "(")
+            .replace(", Unique(Filter(lego, Scene())))", ")")
     }
 
     #[test]

@@ -395,7 +395,7 @@ pub(super) fn single(group: &Token) -> TokenKind {
 mod tests {
     use std::string::String;
 
-    use crate::fixture::{self, parse};
+    use crate::fixture;
     use crate::model::{Lists, Model, Simplification, Taking};
 
     fn model() -> Model<'static> {
@@ -419,10 +419,7 @@ mod tests {
     }
 
     fn read(sentence: &str) -> String {
-        match parse(&model(), sentence) {
-            Ok(program) => program,
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&model(), sentence)
     }
 
     #[test]

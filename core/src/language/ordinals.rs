@@ -206,18 +206,15 @@ impl<'a> PhraseMatcher<'_, 'a> {
 mod tests {
     use std::string::String;
 
-    use crate::fixture::{self, parse};
+    use crate::fixture;
 
     /// How a sentence is understood, with shorter names.
     fn read(sentence: &str) -> String {
-        match parse(&fixture::with_ordinals(), sentence) {
-            Ok(program) => program
-                .replace("Unique(", "(")
-                .replace("MoveRight, ", "")
-                .replace("Filter(", "(")
-                .replace(", Scene()", ""),
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&fixture::with_ordinals(), sentence)
+            .replace("Unique(", "(")
+            .replace("MoveRight, ", "")
+            .replace("Filter(", "(")
+            .replace(", Scene()", "")
     }
 
     #[test]

@@ -112,7 +112,7 @@ fn opposite(model: &Model<'_>, action: u8) -> Option<u8> {
 mod tests {
     use std::string::String;
 
-    use crate::fixture::{self, parse};
+    use crate::fixture;
     use crate::model::{Model, Perspectives};
 
     /// In which "on" and "right" are opposites.
@@ -128,10 +128,7 @@ mod tests {
     }
 
     fn read(sentence: &str) -> String {
-        match parse(&model(), sentence) {
-            Ok(program) => program,
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&model(), sentence)
     }
 
     #[test]

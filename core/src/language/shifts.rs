@@ -51,13 +51,10 @@ impl PhraseMatcher<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::fixture::{self, parse};
+    use crate::fixture;
 
     fn read(sentence: &str) -> std::string::String {
-        match parse(&fixture::with_distances(), sentence) {
-            Ok(program) => program,
-            Err(refusal) => refusal.kind().into(),
-        }
+        fixture::read(&fixture::with_distances(), sentence)
     }
 
     #[test]
