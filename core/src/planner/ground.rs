@@ -1,22 +1,18 @@
+mod act;
+mod describe;
+
 use core::borrow::Borrow;
 use core::task::Poll;
 
-use nalgebra::{Isometry3, Translation3};
-
-use super::distance::{at_distance, shifted_by};
-use super::resolve::{LeftOut, Resolver, Within};
+use super::resolve::{LeftOut, Resolver};
 use super::room::{self, Beside, Room};
-use super::sight::Sight;
-use super::{Confidence, Grounding, Plan, PlannedStep, SubGoal};
-use crate::action::simulate_any;
+use super::{Grounding, Plan};
 use crate::calibration::{CalibrationFault, Cause, check_as_given, explains};
-use crate::camera::rotation;
 use crate::capacity::{MAX_OBJECTS, MAX_STEPS};
 use crate::dsl::{Argument, Description, Property, Quantifier, Step};
-use crate::grounding::Chosen;
 use crate::language::{Parsed, StepDecisions};
 use crate::model::{CompoundKind, LOCATION, Model};
-use crate::refusal::{Quantity, Refusal};
+use crate::refusal::Refusal;
 use crate::scene::Scene;
 use crate::viewpoint::Viewpoint;
 
@@ -168,85 +164,18 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
                 let cause = cause.saturating_add(1);
                 Ok(Stage::Explain { fault, cause })
             }
-            Stage::Object { step } => {
-                let Some(object) = self.resolve(step, Argument::Object)? else {
-                    return Ok(stage);
-                };
-                match self.symbols(step)?.reference.filters().choice() {
-                    Some(Property::Table) => return self.begin_room(step, object),
-                    Some(Property::Itself) => return self.begin_shift(step, object),
-                    _ => {}
-                }
-                self.seek(step, Argument::Reference)?;
-                let object = Some(object);
-                Ok(Stage::Reference { step, object })
-            }
-            Stage::Reference { step, object } => {
-                let Some(reference) = self.resolve_reference(step)? else {
-                    return Ok(stage);
-                };
-                self.check_measured(step, &reference)?;
-                let Some(object) = object else {
-                    self.seek(step, Argument::Object)?;
-                    let left_out = LeftOut::Object(reference.index);
-                    return Ok(Stage::Several { step, left_out });
-                };
-                if reference.index == object.index {
-                    return Err(Refusal::SameObject {
-                        step: step as u8,
-                        object: object.object,
-                    });
-                }
-                let action = self.symbols(step)?.action;
-                let compound = self.model.compound(action);
-                if compound.is_some_and(|compound| compound.kind == CompoundKind::Any) {
-                    let distance_mm = self.symbols(step)?.distance_mm;
-                    self.room = Room::beside(reference, action, distance_mm);
-                    return Ok(Stage::Room { step, object });
-                }
-                if self.model.is_between(action) {
-                    return Ok(Stage::Between {
-                        step,
-                        object,
-                        reference,
-                    });
-                }
-                Ok(Stage::Act {
-                    step,
-                    action,
-                    object,
-                    reference,
-                    put: None,
-                })
-            }
-            Stage::Several { step, left_out } => {
-                let (resolver, description, within) = self.resolving(step, Argument::Object)?;
-                let found = resolver.poll_several(description, &within, left_out)?;
-                let Some(ids) = found else {
-                    return Ok(stage);
-                };
-                let symbols = self.symbols(step)?;
-                let is_among =
-                    symbols.reference.filters().is_itself() && symbols.distance_mm.is_none();
-                let (moved, stays) = match ids.split_last() {
-                    // The lowest one stays.
-                    Some((stays, moved)) if is_among => (moved, Some(*stays)),
-                    _ => (ids.as_slice(), None),
-                };
-                if moved.is_empty() {
-                    return Err(Refusal::OtherNumber {
-                        step: step as u8,
-                        description: symbols.object,
-                        expected: 2,
-                        got: 1,
-                    });
-                }
-                if !self.plan.expand(step, moved, stays) {
-                    let limit = MAX_STEPS as u8;
-                    return Err(Refusal::TooManySteps { limit });
-                }
-                self.begin_step(step)
-            }
+            Stage::Object { step } => match self.resolve(step, Argument::Object)? {
+                Some(object) => self.with_object(step, object),
+                None => Ok(stage),
+            },
+            Stage::Reference { step, object } => match self.resolve_reference(step)? {
+                Some(reference) => self.with_reference(step, object, reference),
+                None => Ok(stage),
+            },
+            Stage::Several { step, left_out } => match self.resolve_several(step, left_out)? {
+                Some(ids) => self.with_several(step, &ids),
+                None => Ok(stage),
+            },
             Stage::Room { step, object } => {
                 let mut room = self.room;
                 let (_, _, within) = self.resolving(step, Argument::Reference)?;
@@ -325,19 +254,84 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
         Ok(Stage::Object { step })
     }
 
-    /// Refuses a distance from what is seen in part: its place may be off by more than that.
+    /// What follows once the object to move is known.
+    fn with_object(&mut self, step: usize, object: Grounding) -> Result<Stage, Refusal> {
+        match self.symbols(step)?.reference.filters().choice() {
+            Some(Property::Table) => return self.begin_room(step, object),
+            Some(Property::Itself) => return self.begin_shift(step, object),
+            _ => {}
+        }
+        self.seek(step, Argument::Reference)?;
+        let object = Some(object);
+        Ok(Stage::Reference { step, object })
+    }
+
+    /// What follows once the reference is known.
     ///
-    /// * `reference`: from what it is, the object itself if that is shifted
-    fn check_measured(&mut self, step: usize, reference: &Grounding) -> Result<(), Refusal> {
-        let is_measured = self.symbols(step)?.distance_mm.is_some();
-        let (_, _, within) = self.resolving(step, Argument::Reference)?;
-        if is_measured && Sight::of(reference.index.into(), &within).is_rough {
-            return Err(Refusal::HiddenReference {
+    /// * `object`: none yet if several are moved
+    fn with_reference(
+        &mut self,
+        step: usize,
+        object: Option<Grounding>,
+        reference: Grounding,
+    ) -> Result<Stage, Refusal> {
+        self.check_measured(step, &reference)?;
+        let Some(object) = object else {
+            self.seek(step, Argument::Object)?;
+            let left_out = LeftOut::Object(reference.index);
+            return Ok(Stage::Several { step, left_out });
+        };
+        if reference.index == object.index {
+            return Err(Refusal::SameObject {
                 step: step as u8,
-                object: reference.object,
+                object: object.object,
             });
         }
-        Ok(())
+        let symbols = self.symbols(step)?;
+        let action = symbols.action;
+        let compound = self.model.compound(action);
+        if compound.is_some_and(|compound| compound.kind == CompoundKind::Any) {
+            self.room = Room::beside(reference, action, symbols.distance_mm);
+            return Ok(Stage::Room { step, object });
+        }
+        if self.model.is_between(action) {
+            return Ok(Stage::Between {
+                step,
+                object,
+                reference,
+            });
+        }
+        Ok(Stage::Act {
+            step,
+            action,
+            object,
+            reference,
+            put: None,
+        })
+    }
+
+    /// Puts a step for each object in the place of one that moves several.
+    fn with_several(&mut self, step: usize, ids: &[u32]) -> Result<Stage, Refusal> {
+        let symbols = self.symbols(step)?;
+        let is_among = symbols.reference.filters().is_itself() && symbols.distance_mm.is_none();
+        let (moved, stays) = match ids.split_last() {
+            // The lowest one stays.
+            Some((stays, moved)) if is_among => (moved, Some(*stays)),
+            _ => (ids, None),
+        };
+        if moved.is_empty() {
+            return Err(Refusal::OtherNumber {
+                step: step as u8,
+                description: symbols.object,
+                expected: 2,
+                got: 1,
+            });
+        }
+        if !self.plan.expand(step, moved, stays) {
+            let limit = MAX_STEPS as u8;
+            return Err(Refusal::TooManySteps { limit });
+        }
+        self.begin_step(step)
     }
 
     /// The object is to be put on the table.
@@ -380,162 +374,6 @@ impl<'m, S: Borrow<Scene>> GroundingTask<'m, S> {
             confidence,
             threshold,
         })
-    }
-
-    /// Begins to resolve a description.
-    fn seek(&mut self, step: usize, argument: Argument) -> Result<(), Refusal> {
-        self.resolver = Resolver::new(self.symbols(step)?.description(argument));
-        Ok(())
-    }
-
-    /// One unit of work on a description; the object once it is found.
-    fn resolve(&mut self, step: usize, argument: Argument) -> Result<Option<Grounding>, Refusal> {
-        let (resolver, description, within) = self.resolving(step, argument)?;
-        resolver.poll(description, &within)
-    }
-
-    /// The same of a reference; the first of both of two, described together with the other one.
-    fn resolve_reference(&mut self, step: usize) -> Result<Option<Grounding>, Refusal> {
-        let symbols = self.symbols(step)?;
-        if symbols.reference.filters().quantifier() != Some(Quantifier::Both) {
-            return self.resolve(step, Argument::Reference);
-        }
-        let (resolver, description, within) = self.resolving(step, Argument::Reference)?;
-        let found = resolver.poll_several(description, &within, LeftOut::None)?;
-        let Some(ids) = found else {
-            return Ok(None);
-        };
-        let mut both = ids.iter().filter_map(|id| {
-            let mut objects = within.scene.objects().iter();
-            let index = objects.position(|object| object.id == *id)?;
-            let certain = Chosen {
-                index,
-                score: 1.0,
-                probability: 1.0,
-            };
-            Some(Grounding::new(*id, index as u8, &certain))
-        });
-        // Both of two are there.
-        let (one, other) = both.next().zip(both.next()).ok_or(Refusal::InvalidModel)?;
-        Ok(Some(one.related_to(&other)))
-    }
-
-    /// The resolver, and what it resolves.
-    fn resolving(
-        &mut self,
-        step: usize,
-        argument: Argument,
-    ) -> Result<(&mut Resolver, &Description, Within<'_>), Refusal> {
-        // Always there: steps are counted up to the program's length.
-        let symbols = self.plan.program().steps().get(step);
-        let symbols = symbols.ok_or(Refusal::InvalidModel)?;
-        let within = Within {
-            model: self.model,
-            scene: self.scene.borrow(),
-            viewpoint: &self.viewpoint,
-            locations: &self.locations,
-            has_moved: !self.plan.steps().is_empty(),
-            step,
-            argument,
-            each: self.plan.parsed().each(step, argument),
-        };
-        Ok((&mut self.resolver, symbols.description(argument), within))
-    }
-
-    /// Predicts where the object will be, and moves it there for the following steps.
-    ///
-    /// * `put`: where it is put, unless the action says so
-    fn act(
-        &mut self,
-        step: usize,
-        action: u8,
-        [object, reference]: [Grounding; 2],
-        put: Option<[f32; LOCATION]>,
-    ) -> Result<(), Refusal> {
-        let not_finite = |quantity| Refusal::NotFinite {
-            step: step as u8,
-            quantity,
-        };
-        let [from, to] = [object, reference].map(|grounding| {
-            // Always there: the index is that of an object of the scene.
-            self.locations.get(usize::from(grounding.index)).copied()
-        });
-        let (from, to) = from.zip(to).ok_or(Refusal::InvalidModel)?;
-        for (argument, grounding, location) in [
-            (Argument::Object, object, &from),
-            (Argument::Reference, reference, &to),
-        ] {
-            if !self.viewpoint.contains(location) {
-                return Err(Refusal::OutsideTrainingView {
-                    step: step as u8,
-                    argument,
-                    object: grounding.object,
-                });
-            }
-        }
-        let location = put.or_else(|| simulate_any(self.model, action, &from, &to));
-        // Always there: an action, or a compound that leads to one place.
-        let mut location = location.ok_or(Refusal::InvalidModel)?;
-        let symbols = self.symbols(step)?;
-        if let Some(mm) = symbols.distance_mm {
-            location = match symbols.reference.filters().is_itself() {
-                true => shifted_by(self.model, &self.viewpoint, &location, &to, mm),
-                false => at_distance(self.model, &self.viewpoint, &location, &to, mm),
-            };
-        }
-        if !location.iter().all(|number| number.is_finite()) {
-            return Err(not_finite(Quantity::Location));
-        }
-        if let Some(place) = self.locations.get_mut(usize::from(object.index)) {
-            *place = location;
-        }
-        let pose = self.pose(&location);
-        let position: [f32; 3] = pose.translation.vector.into();
-        let rotation: [f32; 4] = pose.rotation.coords.into();
-        if !position.iter().chain(&rotation).all(|n| n.is_finite()) {
-            return Err(not_finite(Quantity::Pose));
-        }
-        let bounds = self.model.header.work_space;
-        if !bounds.contains(&position) {
-            return Err(Refusal::OutsideWorkSpace {
-                step: step as u8,
-                object: object.object,
-                position,
-                bounds,
-            });
-        }
-        let decisions = self.decisions(step)?;
-        let confidence = Confidence {
-            split: decisions.split,
-            words: decisions.words,
-            action: decisions.action,
-            relations: decisions.relations,
-            object: decisions.object,
-            reference: decisions.reference,
-            object_unique: object.probability,
-            reference_unique: reference.probability,
-        };
-        self.plan.push(PlannedStep {
-            action,
-            object,
-            reference,
-            location: self.viewpoint.from_training(&location),
-            sub_goal: SubGoal {
-                object: object.object,
-                pose,
-            },
-            confidence,
-        });
-        Ok(())
-    }
-
-    fn pose(&self, location: &[f32; LOCATION]) -> Isometry3<f32> {
-        let camera = self.viewpoint.training();
-        let centre = camera.locate(self.model.camera, location);
-        Isometry3::from_parts(
-            Translation3::from(centre.coords),
-            rotation(&self.model.header.placed_orientation),
-        )
     }
 
     fn symbols(&self, step: usize) -> Result<Step, Refusal> {
