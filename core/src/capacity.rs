@@ -22,7 +22,7 @@ pub const MAX_GROUPS: usize = ARGUMENTS * (1 + MAX_RELATIONS);
 /// Misspelt words of a sentence that are read as others.
 pub const MAX_CORRECTIONS: usize = 4;
 /// Readings of a sentence with misspelt words or pronouns that are tried.
-pub const MAX_READINGS: usize = 8;
+pub const MAX_READINGS: usize = 16;
 /// Ways to split a reading into steps that are tried.
 pub const MAX_SPLITS: usize = 4;
 /// Candidates that an ambiguous description lists, the best first.

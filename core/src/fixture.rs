@@ -302,6 +302,7 @@ pub(crate) fn model() -> Model<'static> {
         embeddings,
         pronouns: &[],
         placing: &[],
+        conjunctions: &[],
         several: Several::new(),
         rephrasing: Rephrasing::new(),
         simplification: Simplification::new(),

@@ -39,7 +39,7 @@ pub use perspectives::Perspectives;
 pub use repair::Repairs;
 pub use rephrasing::{Rephrased, Rephrasing};
 pub use sequence::{Sequence, SequenceText};
-pub use simplification::{Simplification, Taking};
+pub use simplification::{Simplification, Standing, Taking};
 pub use table::{MAX_SIDES, Table};
 
 use crate::camera::Camera;
@@ -107,6 +107,8 @@ pub struct Model<'a> {
     /// Words that put an object somewhere and never only take it, "put", and not "get": behind a whole step of one of
     /// them, a pronoun behind one is of another step. Indices into [`Model::words`]; sorted.
     pub placing: &'a [u16],
+    /// What a pronoun is a word like any other behind, "so that" in "so that it is", and "after" in "after that"; sorted.
+    pub conjunctions: &'a [&'a str],
     /// What may be said of several objects.
     pub several: Several<'a>,
     /// What is read as other words.

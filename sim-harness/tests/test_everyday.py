@@ -32,7 +32,7 @@ from nsrm_harness.domain.attachment import Attachments
 from nsrm_harness.domain.everyday import EVERYDAY, TABLES, Speaker, with_everyday
 from nsrm_harness.domain.program import SUPERLATIVES, Program, Relation, Step, canonical
 from nsrm_harness.domain.reader import COUNTING
-from nsrm_harness.domain.recogniser import Recogniser
+from nsrm_harness.domain.recogniser import Recogniser, with_values_joined
 from nsrm_harness.domain.tokens import Tokenizer
 from nsrm_harness.evaluation import language
 from nsrm_harness.evaluation.metrics import EvaluationError
@@ -104,6 +104,23 @@ def test_every_sentence_is_recognised_and_names_its_objects() -> None:
 def test_what_no_rule_has_is_not_recognised(sentence: str) -> None:
     words = Tokenizer(DOMAIN)(sentence).words
     assert not Recogniser.of(DOMAIN).program(words)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "joined"),
+    [
+        ("put the big and blue block on red", "put the {} block on {}"),
+        ("put a red toy block that is small on blue", "put a {} toy block on {}"),
+        ("put small red on the block that's blue", "put {} on the block that's {}"),
+        # Two objects: an object has one colour.
+        ("put the red and the blue block on white", "put the {} and the {} block on {}"),
+        ("put red and blue on white", "put {} and {} on {}"),
+        ("put red behind small blue", "put {} behind {}"),
+    ],
+)
+def test_values_that_stand_apart_are_those_of_one_object(sentence: str, joined: str) -> None:
+    told = " ".join(with_values_joined(DOMAIN, sentence))
+    assert told == joined.replace("{}", GROUP_TOKEN)
 
 
 def test_an_order_word_begins_only_the_first_step() -> None:

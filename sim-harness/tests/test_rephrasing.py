@@ -56,7 +56,8 @@ def test_sentences_say_most_phrases() -> None:
     sentences = RephrasedSentences(DOMAIN, np.random.default_rng(3))
     told = [sentences.draw() for _ in range(2500)]
     text = f" {' | '.join(sentence for sentence, _ in told)} "
-    phrases = [*sentences.phrases()]
+    # Others are said with the order of steps: see test_sequences.py.
+    phrases = [each for each in sentences.phrases() if DOMAIN.rephrasing[each] != "after putting"]
     # Those for what is rarely said come seldom.
     assert sum(f" {phrase} " in text for phrase in phrases) > 0.7 * len(phrases)
     assert all(means_rewritten(DOMAIN, sentence) for sentence, _ in told)

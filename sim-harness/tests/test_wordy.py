@@ -33,6 +33,7 @@ def test_the_lists_of_a_wording_file_have_all_that_their_rules_stand_for() -> No
         "opening": {"my request is": "", "my wish is": ""},
         "anywhere": {"be moved": "go", "um": ""},
         "closing": {},
+        "connecting": {},
     }
     assert simplification_of({}, "") is None
     with pytest.raises(DomainError, match="no rule 'wish'"):
@@ -48,6 +49,11 @@ def test_the_lists_of_a_wording_file_have_all_that_their_rules_stand_for() -> No
             {"taking": {"words": ["lift"], "towards": ["up"], "order": "toss", "object": "it"}},
             "simplification.taking: 'toss' is not a word of the grammar",
         ),
+        (
+            {"standing": {"clauses": ["that is"], "relations": ["left"], "read_as": "thing aloft"}},
+            "simplification.standing: 'aloft' is not a word of the grammar",
+        ),
+        ({"connecting": {"and so": "and"}}, "simplification.connecting.and so: expected ''"),
     ],
 )
 def test_what_no_sentence_can_be_read_as_is_refused(change: Any, problem: str) -> None:
@@ -75,6 +81,38 @@ def test_what_is_left_is_what_the_core_reads(sentence: str, left: str) -> None:
     model = nsrm.Model.pretrained()
     if "so on" not in sentence and "go" not in sentence:
         assert model.parse(sentence).notation == model.parse(left).notation
+
+
+@pytest.mark.parametrize(
+    ("sentence", "same"),
+    [
+        ("put the block which is behind the white one on the blue block",
+         "put the block behind white on blue"),
+        ("set the one that is on the red cube to the left of the small one",
+         "put the one on red left of small"),
+        ("put the green block on the table left of the white one", "put green left of white"),
+        ("move the red block to the table", "put red on the table"),
+        ("find the red block and put it on the blue one", "put red on blue"),
+        ("put the white block that is of small size on the red one", "put white small on red"),
+        ("put red on blue and only then green on red", "put red on blue then put green on red"),
+        ("well , put red on blue . secondly , move the green block , um , on red",
+         "put red on blue then put green on red"),
+        ("put red on blue when you are done putting green on white",
+         "put green on white then put red on blue"),
+        ("put red on blue prior to putting green on white",
+         "put red on blue then put green on white"),
+    ],
+)  # fmt: skip
+def test_other_words_mean_the_same(sentence: str, same: str) -> None:
+    model = nsrm.Model.pretrained()
+    assert model.parse(sentence).notation == model.parse(same).notation
+
+
+def test_a_further_step_that_is_said_to_be_the_first_is_refused() -> None:
+    model = nsrm.Model.pretrained()
+    for first in ("first", "firstly", "to begin", "to begin with", "please first"):
+        with pytest.raises(nsrm.Refused):
+            model.parse(f"um , put red on blue , and {first} put green on the white block")
 
 
 def test_a_command_is_recognised_without_what_it_can_do_without() -> None:

@@ -60,6 +60,9 @@ pub struct Domain {
     /// Words that put an object somewhere and never only take it.
     #[serde(default)]
     pub placing: BTreeSet<String>,
+    /// What a pronoun is a word like any other behind.
+    #[serde(default)]
+    pub conjunctions: BTreeSet<String>,
     /// What may be said of several objects.
     #[serde(default)]
     pub several: Several,
@@ -375,8 +378,13 @@ impl Domain {
         }
     }
 
-    /// Checks that pronouns, what is read behind them, and what puts an object somewhere are words.
+    /// Checks that pronouns, what is read behind them, and what puts an object somewhere are words, and conjunctions can
+    /// be read.
     fn check_pronouns(&self) -> Result<(), ModelError> {
+        let mut conjunctions = self.conjunctions.iter().flat_map(|text| text.split(' '));
+        if let Some(word) = conjunctions.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.into() });
+        }
         let words = self.words();
         let owners = self.pronouns.values().filter(|owner| !owner.is_empty());
         match self

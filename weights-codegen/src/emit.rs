@@ -30,8 +30,8 @@ use nsrm_core::model::{
     Compounds, Concept, Count, CountedFrom, DistanceNumber, DistanceShift, DistanceUnit, Distances,
     Embeddings, Exceptions, Header, Heard, Language, LexiconEntry, Lists, Model, Opening, Ordinals,
     PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing, Sequence, SequenceText,
-    Several, Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, View,
-    ViewEncoder, Perspectives, Vision, Word, WorkSpace,
+    Several, Simplification, Simulator, Spelling, Standing, Superlative, Table, Taking, Thresholds,
+    View, ViewEncoder, Perspectives, Vision, Word, WorkSpace,
 };
 #[rustfmt::skip]
 #[allow(unused_imports)] // Not every domain has compounds.

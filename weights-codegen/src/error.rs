@@ -133,6 +133,14 @@ pub enum ModelError {
         /// The word.
         word: String,
     },
+    /// What only connects two steps is read in other words.
+    #[error(
+        "domain: simplification.connecting: {text:?} only connects a step to the one before it; read it as nothing"
+    )]
+    Connecting {
+        /// The words.
+        text: String,
+    },
     /// A direction has no opposite, or is not that of its opposite.
     #[error(
         "domain: perspectives.opposites: {name:?} and its opposite must be actions, and each that of the other"

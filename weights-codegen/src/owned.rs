@@ -58,6 +58,7 @@ struct Parts<'a> {
     lexicon: Vec<LexiconEntry<'a>>,
     pronouns: Vec<Pronoun>,
     placing: Vec<u16>,
+    conjunctions: Vec<&'a str>,
     between: Vec<u16>,
     plurals: Vec<Plural<'a>>,
     rephrasing: RephrasingParts<'a>,
@@ -171,6 +172,7 @@ impl OwnedModel {
             .with_lexicon(&parts.lexicon)
             .with_pronouns(&parts.pronouns)
             .with_placing(&parts.placing)
+            .with_conjunctions(&parts.conjunctions)
             .with_several(
                 Several::new()
                     .with_between(&parts.between)
@@ -274,6 +276,7 @@ impl<'a> Parts<'a> {
             lexicon,
             pronouns: pronouns(owner)?,
             placing: placing(owner)?,
+            conjunctions: domain.conjunctions.iter().map(String::as_str).collect(),
             between: (domain.several.between.iter())
                 .map(|text| word_index(owner, text))
                 .collect::<Result<_, ModelError>>()?,

@@ -74,6 +74,7 @@ pub(crate) fn model_record(model: &Model<'_>) -> Node {
         ("lexicon", Node::Reference("LEXICON")),
         ("pronouns", Node::Reference("PRONOUNS")),
         ("placing", Node::Reference("PLACING")),
+        ("conjunctions", Node::Reference("CONJUNCTIONS")),
     ];
     fields.extend(rewriting::records(model));
     fields.extend([
@@ -158,6 +159,7 @@ pub(crate) fn statics(model: &Model<'_>) -> Vec<Static> {
         table("LEXICON", "lexicon", "LexiconEntry<'static>", model.lexicon),
         table("PRONOUNS", "pronouns", "Pronoun", model.pronouns),
         table("PLACING", "placing", "u16", model.placing),
+        table("CONJUNCTIONS", "conjunctions", "&str", model.conjunctions),
     ];
     statics.extend(rewriting::tables(model));
     statics.extend([

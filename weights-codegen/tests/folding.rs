@@ -55,6 +55,7 @@ fn names_stand_with_their_parameters() {
     let placing = model.placing.iter();
     let placing = placing.map(|word| model.words[usize::from(*word)].text);
     assert!(placing.eq(["near", "shift"]));
+    assert_eq!(model.conjunctions, ["so that"]);
     assert_eq!(model.several.between, [6]);
     let plurals = model.several.plurals.iter();
     assert!(
@@ -84,6 +85,11 @@ fn names_stand_with_their_parameters() {
     );
     assert_eq!(lists.anywhere.first_words, ["by", "uh"]);
     assert_eq!(said(lists.closing), [("then".into(), String::new())]);
+    assert_eq!(said(lists.connecting), [("and then".into(), String::new())]);
+    assert_eq!(lists.starting, ["first"]);
+    assert_eq!(lists.standing.clauses, ["that is"]);
+    assert_eq!(lists.standing.relations, ["near"]);
+    assert_eq!(lists.standing.read_as, "jar near");
     assert_eq!(lists.taking.words, ["lift", "take"]);
     assert_eq!(lists.taking.towards, ["onto"]);
     assert_eq!((lists.taking.order, lists.taking.object), ("shift", "then"));

@@ -30,7 +30,7 @@
 #define NSRM_MAX_SENTENCE_BYTES 4096
 
 /** Calls of `nsrm_poll` until it is done, at most. */
-#define NSRM_MAX_POLLS 80473
+#define NSRM_MAX_POLLS 157209
 
 /** Numbers in an object's embedding. */
 #define NSRM_EMBEDDING 64

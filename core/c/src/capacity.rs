@@ -15,7 +15,7 @@ pub const MAX_CANDIDATES: usize = 8;
 /// Bytes in a sentence.
 pub const MAX_SENTENCE_BYTES: usize = 4096;
 /// Calls of `nsrm_poll` until it is done, at most.
-pub const MAX_POLLS: usize = 80_473;
+pub const MAX_POLLS: usize = 157_209;
 /// Numbers in an object's embedding.
 pub const EMBEDDING: usize = 64;
 

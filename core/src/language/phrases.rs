@@ -5,6 +5,7 @@ use core::ops::Range;
 use super::tokens::{Tokens, push};
 use super::words::{find, letters, word};
 use super::{Span, Token, TokenKind};
+use crate::dsl::Filters;
 use crate::model::{
     CompoundText, CountedFrom, DistanceNumber, DistanceShift, Model, Rephrased, SequenceText,
 };
@@ -65,7 +66,8 @@ impl<'a> PhraseMatcher<'_, 'a> {
         list: TextList<'_>,
     ) -> Option<(usize, usize)> {
         let text = |index| list.get(index).unwrap_or_default();
-        let first = tokens.first()?;
+        // No text begins with a description.
+        let first = tokens.first().filter(|token| !token.is_group())?;
         let mut texts = 0..count;
         texts.start = partition_point(&texts, |each| self.is_behind(first, text(each)));
         if texts.is_empty() || !self.is(first, part(text(texts.start), 0)) {
@@ -146,14 +148,14 @@ impl<'a> PhraseMatcher<'_, 'a> {
     pub(super) fn is_behind(&self, token: &Token, text: &str) -> bool {
         match token.kind {
             TokenKind::Word(index) => text < self.known(index),
-            TokenKind::Unknown => text.chars().lt(letters(self.text(token))),
-            // None stands before a list.
-            TokenKind::Group(_) | TokenKind::Pronoun | TokenKind::Compound { .. } => true,
+            TokenKind::Unknown | TokenKind::Group(_) => text.chars().lt(letters(self.text(token))),
+            // No text has one.
+            TokenKind::Pronoun | TokenKind::Compound { .. } => true,
         }
     }
 
-    /// Puts words of the model in place of these tokens, none for an empty text; the index of the token behind
-    /// them. In place: a copy of the tokens would take 2 KB of the stack.
+    /// Puts words of the model or of its lexicon in place of these tokens, none for an empty text; the index of the token
+    /// behind them. In place: a copy of the tokens would take 2 KB of the stack.
     pub(super) fn replace(
         &self,
         tokens: &mut Tokens,
@@ -165,8 +167,7 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let start = replaced.start;
         let behind = Self::resize(tokens, replaced, words().count(), span)?;
         for (place, text) in tokens.iter_mut().skip(start).zip(words()) {
-            let index = word(self.model, text).ok_or(Refusal::InvalidModel)?;
-            let kind = TokenKind::Word(index);
+            let kind = self.read(text).ok_or(Refusal::InvalidModel)?;
             *place = Token { kind, span };
         }
         Ok(behind)
@@ -216,6 +217,18 @@ impl<'a> PhraseMatcher<'_, 'a> {
             push(tokens, TokenKind::Word(index), span)?;
         }
         Ok(())
+    }
+
+    /// As what a text of the model is read: one of its words, or one of the lexicon, which describes an object.
+    fn read(&self, text: &str) -> Option<TokenKind> {
+        if let Some(index) = word(self.model, text) {
+            return Some(TokenKind::Word(index));
+        }
+        let (_, entry) = find(self.model.lexicon, text, |entry| entry.text)?;
+        let mut filters = Filters::new();
+        // Empty filters have room.
+        let _ = filters.add(entry.property);
+        Some(TokenKind::Group(filters))
     }
 
     fn known(&self, index: u16) -> &'a str {

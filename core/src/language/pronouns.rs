@@ -169,6 +169,21 @@ mod tests {
     }
 
     #[test]
+    fn behind_a_conjunction_a_pronoun_is_a_word_like_any_other() {
+        let mut model = with_pronoun(fixture::model(), None);
+        let sentence = "put red on green then put near right the";
+        let (_, readings) = read(&model, sentence, 0);
+        assert_eq!(readings, 2);
+        model.conjunctions = &["near right"];
+        assert_eq!(model.check(), Ok(()));
+        let (_, readings) = read(&model, sentence, 0);
+        assert_eq!(readings, 1);
+        let other = "put red on green then put right the";
+        let (_, readings) = read(&model, other, 0);
+        assert_eq!(readings, 2);
+    }
+
+    #[test]
     fn an_unknown_pronoun_is_a_word_like_any_other() {
         let refusal =
             parse(&fixture::model(), "put red on green then put the on lego").unwrap_err();
@@ -206,10 +221,10 @@ mod tests {
         // Nothing was moved before the first, and one follows the second.
         let (_, readings) = read(&model, "red on the green the the", 0);
         assert_eq!(readings, 2);
-        let sentence = "red on green put the put the put the put the";
+        let sentence = "red on green put the put the put the put the put the";
         let (kinds, readings) = read(&model, sentence, MAX_READINGS - 1);
         assert_eq!(readings, MAX_READINGS);
         let pronouns = kinds.iter().filter(|kind| **kind == TokenKind::Pronoun);
-        assert_eq!(pronouns.count(), 3);
+        assert_eq!(pronouns.count(), 4);
     }
 }

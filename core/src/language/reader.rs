@@ -6,6 +6,7 @@ use heapless::Vec;
 use rewriting::{Rewriting, Twofold};
 
 use super::distances::Distance;
+use super::phrases::PhraseMatcher;
 use super::pronouns::pronoun;
 use super::spelling::{KnownWord, alternatives};
 use super::tokens::{Corrections, Kept, KeptKind, add_value, push};
@@ -320,8 +321,8 @@ impl Reader {
     }
 
     /// A word outside the lexicon. A pronoun behind the descriptions of a whole step may mean what
-    /// that one moved, unless another description follows ("that red block", "so that it is"), and as
-    /// long as the sentence does not have too many readings. It means that, if both that step and the pronoun's begin
+    /// that one moved, unless another description follows ("that red block") or a conjunction stands before it ("so that
+    /// it is"), and as long as the sentence does not have too many readings. It means that, if both that step and the pronoun's begin
     /// with words that put something, and it is no article: "put the red block on the blue one, then put it …".
     ///
     /// * `words`: the sentence up to its last word
@@ -336,7 +337,9 @@ impl Reader {
             let described = self.tokens.iter().filter(|token| token.is_group());
             let follows =
                 next_word(words, self.rest_from).is_some_and(|(next, _)| may_describe(model, next));
-            let may_be_moved = described.count() >= ARGUMENTS && !follows;
+            let may_be_moved = described.count() >= ARGUMENTS
+                && !follows
+                && !self.follows_conjunction(model, words);
             // "That" may stand before a noun.
             let kind = TokenKind::Word(index);
             let is_article = is_article(model, &Token { kind, span });
@@ -349,6 +352,13 @@ impl Reader {
             }
         }
         self.add(TokenKind::Word(index), span)
+    }
+
+    /// Whether a pronoun behind the last word is a word like any other.
+    fn follows_conjunction(&self, model: &Model<'_>, sentence: &str) -> bool {
+        let said = PhraseMatcher { model, sentence };
+        let mut conjunctions = model.conjunctions.iter();
+        conjunctions.any(|text| said.ends_with(&self.tokens, text).is_some())
     }
 
     /// Whether the last word puts something, and so does one before the last two descriptions, between which no clause

@@ -34,8 +34,10 @@ mod tests {
     #[test]
     fn a_phrase_is_read_as_another_one() {
         let said = [
+            ("belongs lego near", "right"),
             ("belongs near", "right"),
             ("put down", "put"),
+            ("put scarlet", "put red"),
             ("then", ", then"),
         ];
         let said = said.map(|(text, read_as)| Rephrased { text, read_as });
@@ -46,6 +48,9 @@ mod tests {
         };
         assert_eq!(model.check(), Ok(()));
         for (sentence, same) in [
+            // With a word that describes an object.
+            ("put scarlet right green", "put red right green"),
+            ("put red belongs lego near green", "put red right green"),
             ("put red belongs near green", "put red right green"),
             ("put DOWN red right green", "put red right green"),
             (

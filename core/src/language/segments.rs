@@ -12,9 +12,11 @@ pub(super) struct Segments {
     segments: Vec<Segment, MAX_STEPS, u8>,
 }
 
-/// The tokens of one step: from the end of the previous step to `end`.
+/// The tokens of one step: from the end of the previous step to `end`, without the first ones that only connect it
+/// to that step.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
+    connecting: usize,
     end: usize,
     probability: f32,
 }
@@ -28,12 +30,23 @@ impl Segments {
 
     /// The next step ends before token `end`, with this probability.
     pub(super) fn end(&mut self, end: usize, probability: f32) -> Result<(), Refusal> {
-        let segment = Segment { end, probability };
+        let segment = Segment {
+            connecting: 0,
+            end,
+            probability,
+        };
         self.segments
             .push(segment)
             .map_err(|_| Refusal::TooManySteps {
                 limit: MAX_STEPS as u8,
             })
+    }
+
+    /// The first tokens of a step, so many, only connect it to the previous one: from now on they are no part of it.
+    pub(super) fn connect(&mut self, step: usize, tokens: usize) {
+        if let Some(segment) = self.segments.get_mut(step) {
+            segment.connecting = tokens;
+        }
     }
 
     /// How many steps have ended.
@@ -54,7 +67,12 @@ impl Segments {
     /// The places of the step's tokens in the sentence.
     pub(super) fn tokens(&self, step: usize) -> Range<usize> {
         let end_of = |step: usize| self.segments.get(step).map_or(0, |segment| segment.end);
-        step.checked_sub(1).map_or(0, end_of)..end_of(step)
+        let start = step.checked_sub(1).map_or(0, end_of);
+        let connecting = self
+            .segments
+            .get(step)
+            .map_or(0, |segment| segment.connecting);
+        start.saturating_add(connecting)..end_of(step)
     }
 
     /// The step's place in the sentence.

@@ -8,6 +8,7 @@
 use core::ops::Range;
 
 use super::phrases::PhraseMatcher;
+use super::words::word;
 use super::{Token, TokenKind};
 
 /// Marks that may be left over where the words between two of them are left out.
@@ -23,9 +24,14 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let anywhere = self.rephrased(&lists.anywhere, tokens, at);
         let closing = closing().filter(|(said, _)| said.end == tokens.len());
         let mut longest = opening;
-        for found in [anywhere, closing, self.taken(tokens, at)]
-            .into_iter()
-            .flatten()
+        for found in [
+            anywhere,
+            closing,
+            self.taken(tokens, at),
+            self.standing(tokens, at),
+        ]
+        .into_iter()
+        .flatten()
         {
             if longest
                 .as_ref()
@@ -35,6 +41,47 @@ impl<'a> PhraseMatcher<'_, 'a> {
             }
         }
         longest
+    }
+
+    /// What is read at a noun without attributes that stands somewhere: "thing standing" in place of "block" in "the block
+    /// left of the red one".
+    fn standing(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, &'a str)> {
+        let standing = self.model.simplification.standing;
+        let is_article = |token: &Token| self.is_one_of(self.model.ordinals.articles, token);
+        tokens
+            .get(at.checked_sub(1)?)
+            .filter(|token| is_article(token))?;
+        let noun = tokens.get(at)?;
+        if !self.is_one_of(self.model.ordinals.nouns, noun) {
+            return None;
+        }
+        let clause = tokens.get(at.checked_add(1)?..)?;
+        let clause = self.longest::<&str>(clause, standing.clauses);
+        let end = at
+            .checked_add(1)?
+            .checked_add(clause.map_or(0, |(length, _)| length))?;
+        let relates = self.is_one_of(standing.relations, tokens.get(end)?);
+        let is_read = self
+            .begins_with(tokens.get(at..end)?, standing.read_as)
+            .is_some();
+        (relates && !is_read).then_some((at..end, standing.read_as))
+    }
+
+    /// How many of a step's first tokens only connect it to the step before: "and finally", "after that, listen:". None if
+    /// it is said to be the first.
+    pub(super) fn connecting(&self, step: &[Token]) -> usize {
+        let connecting = &self.model.simplification.connecting;
+        let mut behind = 0;
+        while let Some((said, _)) = self.rephrased(connecting, step, behind) {
+            behind = said.end;
+        }
+        let rest = step.get(behind..).unwrap_or_default();
+        let mut opening = rest.iter().take_while(|token| !token.is_group());
+        let starting = self.model.simplification.starting;
+        if opening.any(|token| self.is_one_of(starting, token)) {
+            return 0;
+        }
+        behind
     }
 
     /// What is read at a token that is about what is taken: "put" in place of "lift" in "lift the red block onto the
@@ -82,7 +129,11 @@ impl<'a> PhraseMatcher<'_, 'a> {
         let is_comma = |index: usize| tokens.get(index).is_some_and(|token| self.is_comma(token));
         let is_article = |index: Option<usize>| {
             let token = index.and_then(|index| tokens.get(index));
-            token.is_some_and(|token| self.is_one_of(self.model.ordinals.articles, token))
+            // "This, um, red block" has a pronoun in one reading.
+            token.is_some_and(|token| {
+                token.kind == TokenKind::Pronoun
+                    || self.is_one_of(self.model.ordinals.articles, token)
+            })
         };
         if !self.is_mark(tokens, before) {
             return (is_comma(at) && is_article(Some(before))).then_some(at..behind);
@@ -109,6 +160,19 @@ impl<'a> PhraseMatcher<'_, 'a> {
             let values = noun.saturating_add(1);
             is_noun(*noun) && has_values(values) && !is_noun(values.saturating_add(1))
         })
+    }
+
+    /// Reads a pronoun before a description as the article that it is: "this, um, red block".
+    pub(super) fn read_articles(&self, tokens: &mut [Token]) {
+        for index in 1..tokens.len() {
+            if let Some([article, described]) = tokens.get_mut(index.saturating_sub(1)..=index)
+                && article.kind == TokenKind::Pronoun
+                && described.filters().is_some()
+                && let Some(word) = word(self.model, self.text(article))
+            {
+                article.kind = TokenKind::Word(word);
+            }
+        }
     }
 
     /// Whether a token is one of [`MARKS`].
@@ -183,6 +247,48 @@ mod tests {
                 Ok(&expected),
                 "{sentence}"
             );
+        }
+    }
+
+    #[test]
+    fn what_only_connects_a_step_is_no_part_of_it() {
+        let mut model = model();
+        let said = ["near", "then"].map(|text| Rephrased::new().with_text(text));
+        model.simplification.connecting = Rephrasing::new()
+            .with_said(&said)
+            .with_first_words(&["near", "then"]);
+        model.simplification.starting = &["the"];
+        assert_eq!(model.check(), Ok(()));
+        let sentence = "put red right green then near near put lego on small";
+        // As it stands, "near" makes the action unclear.
+        assert!(parse(&model, sentence).is_err());
+        let expected = parse(&model, "put red right green then put lego on small");
+        assert!(expected.is_ok());
+        assert_eq!(parse(&model, &std::format!("um {sentence}")), expected);
+        // A further step is not said to be the first.
+        let starts = "um put red right green then near the put lego on small";
+        assert_eq!(parse(&model, starts).unwrap_err().kind(), "unknown_word");
+        // Nothing connects the first one.
+        let first = "um near put red right green";
+        assert_eq!(parse(&model, first).unwrap_err().kind(), "unknown_word");
+    }
+
+    #[test]
+    fn a_pronoun_before_a_description_is_an_article() {
+        let mut model = model();
+        let the = model.words.iter().position(|word| word.text == "the");
+        let pronouns = [Pronoun {
+            word: u16::try_from(the.unwrap()).unwrap(),
+            owner: None,
+        }];
+        model.pronouns = &pronouns;
+        model.ordinals = Ordinals::new().with_articles(&["the"]);
+        assert_eq!(model.check(), Ok(()));
+        let expected = parse(&model, "put red right green then put the lego on small");
+        assert!(expected.is_ok());
+        for the in ["the um", "the, um,", "the um,"] {
+            let sentence = std::format!("put red right green then put {the} lego on small");
+            assert_eq!(parse(&model, &sentence), expected, "{sentence}");
         }
     }
 

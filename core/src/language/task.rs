@@ -1,6 +1,7 @@
 mod decode;
 mod split;
 
+use super::phrases::PhraseMatcher;
 use super::reader::Reading;
 use super::relations::Roles;
 use super::segments::Segments;
@@ -331,6 +332,15 @@ impl<'m, T: AsRef<str>> ParsingTask<'m, T> {
             return Ok(Stage::Parsed);
         };
         let tokens = self.reader.tokens();
+        if self.reading.is_simplified && step > 0 {
+            let said = PhraseMatcher {
+                model: self.model,
+                sentence: self.sentence.as_ref(),
+            };
+            let words = tokens.get(self.segments.tokens(step));
+            let connecting = said.connecting(words.unwrap_or_default());
+            self.segments.connect(step, connecting);
+        }
         let groups = self.segments.groups(step, tokens);
         self.check_described(step, groups.clone().count(), MAX_GROUPS)?;
         let pronouns = groups.filter(|token| token.filters().is_none()).count();

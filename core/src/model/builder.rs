@@ -9,8 +9,8 @@ use super::{
     MERGE_CHANNELS, MERGED, Model, OPERATOR_HIDDEN, Opening, Ordinals, PATCH_CHANNELS,
     Perspectives, PixelToCamera, Plural, Pronoun, Ranked, Repairs, Rephrased, Rephrasing,
     SIMULATOR_HIDDEN, SPLITTER_HIDDEN, SPLITTER_WORD, Sequence, SequenceText, Several,
-    Simplification, Simulator, Spelling, Superlative, Table, Taking, Thresholds, VIEW_EMBEDDING,
-    View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
+    Simplification, Simulator, Spelling, Standing, Superlative, Table, Taking, Thresholds,
+    VIEW_EMBEDDING, View, ViewEncoder, Vision, WORD, Word, WordEmbeddings, WorkSpace,
 };
 use crate::camera::Camera;
 use crate::dsl::{Extreme, Property};
@@ -57,6 +57,7 @@ builder! {
         lexicon, with_lexicon: &'a [LexiconEntry<'a>] = &[];
         pronouns, with_pronouns: &'a [Pronoun] = &[];
         placing, with_placing: &'a [u16] = &[];
+        conjunctions, with_conjunctions: &'a [&'a str] = &[];
         several, with_several: Several<'a> = Several::UNSET;
         rephrasing, with_rephrasing: Rephrasing<'a> = Rephrasing::UNSET;
         simplification, with_simplification: Simplification<'a> = Simplification::UNSET;
@@ -161,7 +162,15 @@ builder! {
         opening, with_opening: Rephrasing<'a> = Rephrasing::UNSET;
         anywhere, with_anywhere: Rephrasing<'a> = Rephrasing::UNSET;
         closing, with_closing: Rephrasing<'a> = Rephrasing::UNSET;
+        connecting, with_connecting: Rephrasing<'a> = Rephrasing::UNSET;
+        starting, with_starting: &'a [&'a str] = &[];
         taking, with_taking: Taking<'a> = Taking::UNSET;
+        standing, with_standing: Standing<'a> = Standing::UNSET;
+    }
+    ['a] Standing<'a> {
+        clauses, with_clauses: &'a [&'a str] = &[];
+        relations, with_relations: &'a [&'a str] = &[];
+        read_as, with_read_as: &'a str = "";
     }
     ['a] Taking<'a> {
         words, with_words: &'a [&'a str] = &[];

@@ -44,6 +44,9 @@ pub enum ModelFault<'a> {
     /// Words that put an object somewhere are not sorted and unique, or one is no word; its index.
     #[error("word {0}, which puts an object somewhere, is out of order, repeated or no word")]
     Placing(u16),
+    /// What stands before no pronoun is empty, or not sorted and unique; the text.
+    #[error("\"{0}\", behind which there is no pronoun, is empty, out of order or repeated")]
+    Conjunction(&'a str),
     /// A word between a quantifier and the rest is none of the model's; its index.
     #[error("word {0}, which stands behind quantifiers, isn't there")]
     Between(u16),
@@ -84,6 +87,12 @@ pub enum ModelFault<'a> {
     /// A word that is read in its place is none of the model's; the word.
     #[error("word \"{0}\", which is read in place of other words, isn't there")]
     RephrasedWord(&'a str),
+    /// What only connects two steps is read in other words, or words that start one are empty, or not sorted and unique;
+    /// the text.
+    #[error(
+        "\"{0}\", which connects a step to the one before it or starts one, is read in words, empty, out of order or repeated"
+    )]
+    Connecting(&'a str),
     /// What says whose left is meant, or a first word of this, is empty, or not sorted and unique, or the first word isn't
     /// listed; the text.
     #[error(
@@ -102,6 +111,11 @@ pub enum ModelFault<'a> {
     /// A word that takes an object, or that says where one is then put, is empty, or not sorted and unique; the text.
     #[error("\"{0}\", by which an object is taken, is empty, out of order or repeated")]
     TakingText(&'a str),
+    /// What says that an object stands somewhere is empty, or not sorted and unique; the text.
+    #[error(
+        "\"{0}\", which says that an object stands somewhere, is empty, out of order or repeated"
+    )]
+    StandingText(&'a str),
     /// What stands before or behind something that is taken back is empty, or not sorted and unique; the text.
     #[error("\"{0}\", by which something is taken back, is empty, out of order or repeated")]
     RepairText(&'a str),
@@ -350,7 +364,10 @@ impl<'a> Model<'a> {
             }
             least = usize::from(word).saturating_add(1);
         }
-        Ok(())
+        match rewriting::first_unsorted(self.conjunctions.iter().copied()) {
+            Some(text) => Err(ModelFault::Conjunction(text)),
+            None => Ok(()),
+        }
     }
 
     fn check_several(&self) -> Result<(), ModelFault<'a>> {

@@ -3,7 +3,7 @@ use super::Rephrasing;
 /// What a sentence can do without, and phrases that are read in simpler words, once it is refused as it stands:
 /// "um", "please", "here is what i want:". Nothing is learned for them. By default, a refused sentence is not read again.
 ///
-/// In all three lists an empty text is read for what is left out.
+/// In all lists an empty text is read for what is left out.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Simplification<'a> {
@@ -13,8 +13,15 @@ pub struct Simplification<'a> {
     pub anywhere: Rephrasing<'a>,
     /// At the end of the sentence.
     pub closing: Rephrasing<'a>,
+    /// At the beginning of each further step: they only connect it to the one before, "and finally". All are left out.
+    pub connecting: Rephrasing<'a>,
+    /// Words by which a step is said to be the first, "first" and "begin"; sorted. Nothing is left out before one: of a
+    /// further step, it makes no sense.
+    pub starting: &'a [&'a str],
     /// How an object is taken that is put somewhere.
     pub taking: Taking<'a>,
+    /// How an object is described by where it stands alone.
+    pub standing: Standing<'a>,
 }
 
 /// How something is said to be taken and put somewhere in fewer words than a command has: "take the red block and put on
@@ -32,14 +39,36 @@ pub struct Taking<'a> {
     pub object: &'a str,
 }
 
+/// How an object without attributes is said to stand somewhere: "the block left of the red one", "the one that is left of the
+/// red one". All is read in the same words, which mark the relation as one of the description: "the thing standing left of
+/// the red one". By default, as it stands.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Standing<'a> {
+    /// What may stand between the noun and the relation, "that is"; sorted.
+    pub clauses: &'a [&'a str],
+    /// Words with which relations begin; sorted.
+    pub relations: &'a [&'a str],
+    /// What is read in place of noun and clause: "thing standing".
+    pub read_as: &'a str,
+}
+
 impl<'a> Simplification<'a> {
     /// Whether a refused sentence is not read again.
     pub(crate) const fn is_empty(&self) -> bool {
-        self.opening.is_empty() && self.anywhere.is_empty() && self.closing.is_empty()
+        self.opening.is_empty()
+            && self.anywhere.is_empty()
+            && self.closing.is_empty()
+            && self.connecting.is_empty()
     }
 
-    /// The three lists, as they stand here.
-    pub(crate) const fn lists(&self) -> [&Rephrasing<'a>; 3] {
-        [&self.opening, &self.anywhere, &self.closing]
+    /// The lists, as they stand here.
+    pub(crate) const fn lists(&self) -> [&Rephrasing<'a>; 4] {
+        [
+            &self.opening,
+            &self.anywhere,
+            &self.closing,
+            &self.connecting,
+        ]
     }
 }

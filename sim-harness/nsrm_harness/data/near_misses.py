@@ -34,7 +34,7 @@ from nsrm_harness.domain.everyday import Speaker, everyday_of, filled_in
 from nsrm_harness.domain.grammar import Command, Grammar
 from nsrm_harness.domain.program import SUPERLATIVES, Relation, Step
 from nsrm_harness.domain.reader import MAX_STEPS
-from nsrm_harness.domain.recogniser import Recogniser, means_rewritten
+from nsrm_harness.domain.recogniser import Recogniser, means_rewritten, with_values_joined
 from nsrm_harness.domain.tokens import Tokenizer
 
 #: Share that is made from plain commands, in the grammar that a model is first trained on.
@@ -171,7 +171,10 @@ class NearMisses:
             if words is None:
                 continue
             sentence = " ".join(self._described(words))
-            if not means_rewritten(self._domain, sentence):
+            joined = with_values_joined(self._domain, sentence)
+            is_joined = joined.count(GROUP_TOKEN) < words.count(GROUP_TOKEN)
+            means_apart = is_joined and self._recogniser.command(joined)
+            if not (means_apart or means_rewritten(self._domain, sentence)):
                 return NearMiss(sentence, is_untimely)
 
     def _changed(self) -> list[str] | None:

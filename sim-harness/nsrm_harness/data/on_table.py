@@ -99,7 +99,7 @@ class TableSentences(Draws):
                 [*do, *one, *self._choose(OTHER_PLACES).split(), *table],
                 [*do, *table, "on", *one],
                 [*do, *one, "on the", *reference[:1], *table[1:]],
-                [*do, *one, "on", *table, "to the left of", *other],
+                [*do, *one, "on", *table, "to the left of", *table],
                 ["take", *one, *off, *table],
                 ["take", *one, "or", *other, *off, *further],
                 ["take", *one, *off, *other, "or", *further],

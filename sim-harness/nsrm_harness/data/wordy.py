@@ -40,12 +40,13 @@ class WordySentences(Draws):
     """Draws sentences of one domain. They are about no scene."""
 
     def __init__(self, domain: Domain, rng: np.random.Generator) -> None:
-        if domain.simplification is None:
+        lists = domain.simplification
+        if lists is None:
             raise ValueError("the domain's wording has no words that a sentence can do without")
         super().__init__(domain, rng)
         self._opening, self._anywhere, self._closing = (
             [text for text, read_as in phrases.items() if not read_as]
-            for phrases in domain.simplification.texts()
+            for phrases in (lists.opening, lists.anywhere, lists.closing)
         )
         self._verbs = {*everyday_of(domain).rules["do"]}
 

@@ -286,6 +286,8 @@ class Domain:
     #: Words that put an object somewhere and never only take it: behind a whole step of one of
     #: them, a pronoun behind one is of another step.
     placing: Annotated[tuple[Phrase, ...], Field(default_factory=tuple)]
+    #: What a pronoun is a word like any other behind: "so that" in "so that it is".
+    conjunctions: Annotated[tuple[Phrase, ...], Field(default_factory=tuple)]
     several: Annotated[SeveralWords | None, Field(default=None), BeforeValidator(_not_null)]
     #: Phrases that are read as others.
     rephrasing: Annotated[Mapping[Phrase, Phrase], Field(default_factory=dict)]

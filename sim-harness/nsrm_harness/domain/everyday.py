@@ -32,6 +32,7 @@ from nsrm_harness.domain.ordinals import ordinals_of
 from nsrm_harness.domain.program import ALL, BOTH, SIZE_EXTREMES, TABLE, Program, Relation, Step
 from nsrm_harness.domain.reader import COUNTING, parse
 from nsrm_harness.domain.rewriting import (
+    PHRASES,
     exceptions_of,
     expanded,
     perspectives_of,
@@ -64,7 +65,8 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
     """The domain with the everyday wording of a file, without what only actions use that the domain
     does not have. Raises ``DomainError`` with the problem."""
     words = read_toml(path, DomainError, "everyday wording")
-    document, placing = _document(domain), words.pop("placing", [])
+    document = _document(domain)
+    verbs = {key: words.pop(key) for key in ("placing", "conjunctions") if key in words}
     (
         synonyms, extremes, pronouns, several, rephrasing, simplification, exceptions, lists,
         repairs, sequence, distances, apart, ordinals, arrangements, table, compounds,
@@ -84,8 +86,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["extremes"] = extremes
     if pronouns:
         document["pronouns"] = pronouns
-    if placing:
-        document["placing"] = placing
+    document |= verbs
     if several:
         document["several"] = several
     if exceptions := exceptions_of(exceptions, str(path)):
@@ -125,7 +126,7 @@ def with_everyday(domain: Domain, path: Path = EVERYDAY) -> Domain:
         document["rephrasing"] = _read_as_known(phrases, missing)
     if simpler := simplification_of(simplification, str(path)):
         document["simplification"] = {
-            key: phrases if key == "taking" else _read_as_known(phrases, missing)
+            key: _read_as_known(phrases, missing) if key in PHRASES else phrases
             for key, phrases in simpler.items()
         }
     return parse(document, str(path))

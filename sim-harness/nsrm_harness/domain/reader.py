@@ -325,7 +325,9 @@ def _rephrasing(domain: Domain) -> Faults:
         lists += [("simplification", phrases) for phrases in simpler.texts()]
         if (taking := simpler.taking) is not None:
             lists.append(("simplification.taking", {"put": taking.order, "it": taking.object}))
-    known = domain.other_words()
+        if (standing := simpler.standing) is not None:
+            lists.append(("simplification.standing", {"block that is": standing.read_as}))
+    known = domain.other_words() | domain.group_words()
     for key, phrases in lists:
         if not all(phrases):
             yield key, "expected words: remove the empty string"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 from nsrm_harness.domain.domain import GROUP_TOKEN, RELATING_RULES, Domain, EverydayWords
 from nsrm_harness.domain.everyday import everyday_of, filled_in, own_texts, state_texts
@@ -123,6 +123,40 @@ def _with_values_before(words: Sequence[str], nouns: Collection[str]) -> list[st
             # Values on both sides are one group.
             told += [] if told[-1:] == [GROUP_TOKEN] else [GROUP_TOKEN]
         told.append(first)
+    return told
+
+
+def with_values_joined(domain: Domain, sentence: str) -> list[str]:
+    """The words of a sentence with group tokens, each for all values of one object, also where they
+    stand apart: "put the big and blue block on the block that is red" has two."""
+    types = {
+        word: number
+        for number, attribute in enumerate(domain.attributes)
+        for value in attribute.values
+        for word in value.words
+    }
+    nouns = {word for text in everyday_of(domain).rules["noun"] for word in text.split()}
+    between, phrases = set[str](), set[str]()
+    if domain.apart is not None:
+        phrases = {*domain.apart.phrases}
+        between = {"", *domain.apart.between} | phrases
+    told, group, since = list[str](), set[int](), list[str]()
+    for word in split(sentence):
+        if word not in types:
+            told.append(word)
+            since.append(word)
+            continue
+        # "The big toy that is blue" is "the [[X]] toy".
+        named = [*takewhile(nouns.__contains__, since)]
+        joint = since[len(named) :]
+        is_joint = " ".join(joint) in (phrases if named else between) or not since
+        if group and is_joint and types[word] not in group:
+            group.add(types[word])
+            del told[len(told) - len(joint) :]
+            since = named
+        else:
+            told.append(GROUP_TOKEN)
+            group, since = {types[word]}, []
     return told
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from nsrm_harness.common.errors import DomainError
 from nsrm_harness.common.toml_file import NO_OTHER_KEYS
@@ -19,6 +19,8 @@ from nsrm_harness.domain.wording import ConceptWords, Identifier, Phrase
 
 #: Marks that may be left over where the words between two of them are left out.
 MARKS = (",", ".", ":", "!", "?")
+#: What has phrases of what a refused sentence is read again without.
+PHRASES = ("opening", "anywhere", "closing", "connecting")
 _RULE = re.compile(r"\{([a-z_]+)\}")
 
 
@@ -39,6 +41,21 @@ class Taking:
 
 
 @dataclass(frozen=True)
+class Standing:
+    """How an object without attributes is said to stand somewhere, "the block left of the red one",
+    and in which words this is read: "the thing standing left of the red one"."""
+
+    __pydantic_config__ = NO_OTHER_KEYS
+
+    #: What may stand between the noun and the relation, "that is";
+    clauses: tuple[Phrase, ...]
+    #: words with which relations begin, "left";
+    relations: tuple[Phrase, ...]
+    #: what is read in place of noun and clause, "thing standing".
+    read_as: Phrase
+
+
+@dataclass(frozen=True)
 class Simplification:
     """What a refused sentence is read again without, and phrases that are then read as simpler
     ones; an empty text for what is left out."""
@@ -49,19 +66,26 @@ class Simplification:
     opening: Mapping[Phrase, Phrase]
     #: at any place,
     anywhere: Mapping[Phrase, Phrase]
-    #: and at its end.
+    #: at its end,
     closing: Mapping[Phrase, Phrase]
+    #: and at the beginning of each further step, where they only connect it to the one before.
+    connecting: Mapping[Phrase, Literal[""]] = field(default_factory=dict)
+    #: Words by which a step is said to be the first, before which nothing is left out.
+    starting: tuple[Phrase, ...] = ()
     #: How an object is taken that is put somewhere.
     taking: Taking | None = None
+    #: How an object is described by where it stands alone.
+    standing: Standing | None = None
 
     def texts(self) -> tuple[Mapping[Phrase, Phrase], ...]:
-        """All three lists."""
-        return self.opening, self.anywhere, self.closing
+        """All lists."""
+        return tuple(getattr(self, key) for key in PHRASES)
 
     def simplified(self, words: Sequence[str], articles: Collection[str]) -> list[str]:
         """What is left of a sentence: see ``nsrm_core::model::Simplification``.
 
-        What is taken is not read in other words here, nor are values put before their nouns.
+        What is taken or stands somewhere is not read in other words here, nor are values put before
+        their nouns.
         """
         words, at = [*words], 0
         while at < len(words):
@@ -342,12 +366,8 @@ def rephrasing_of(table: Mapping[str, Any], source: str) -> dict[str, str] | Non
 def simplification_of(table: Mapping[str, Any], source: str) -> dict[str, Any] | None:
     """What a wording file leaves out or reads in simpler words; nothing if that is nothing."""
     rules, place = table.get("rules", {}), (source, "simplification")
-    lists: dict[str, Any] = {
-        key: _phrases_of(table.get(key, {}), rules, place)
-        for key in ("opening", "anywhere", "closing")
-    }
-    if taking := table.get("taking"):
-        lists["taking"] = taking
+    lists: dict[str, Any] = {key: _phrases_of(table.get(key, {}), rules, place) for key in PHRASES}
+    lists |= {key: table[key] for key in ("starting", "taking", "standing") if key in table}
     return lists if any(lists.values()) else None
 
 

@@ -32,6 +32,7 @@ PARTS = {
         "lexicon",
         "pronouns",
         "placing",
+        "conjunctions",
         "several",
         "rephrasing",
         "simplification",

@@ -22,9 +22,29 @@ pub struct Simplification {
     pub anywhere: Rephrasing,
     /// At its end.
     pub closing: Rephrasing,
+    /// At the beginning of each further step.
+    #[serde(default)]
+    pub connecting: Rephrasing,
+    /// Words by which a step is said to be the first.
+    #[serde(default)]
+    pub starting: BTreeSet<String>,
     /// How an object is taken that is put somewhere.
     #[serde(default)]
     pub taking: Taking,
+    /// How an object is described by where it stands alone.
+    #[serde(default)]
+    pub standing: Standing,
+}
+
+/// How an object without attributes is said to stand somewhere.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Standing {
+    /// What may stand between the noun and the relation.
+    pub clauses: BTreeSet<String>,
+    /// Words with which relations begin.
+    pub relations: BTreeSet<String>,
+    /// What is read in place of noun and clause.
+    pub read_as: String,
 }
 
 /// How something is said to be taken and put somewhere in fewer words than a command has.
@@ -256,18 +276,29 @@ impl Domain {
             opening,
             anywhere,
             closing,
+            connecting,
+            starting,
             taking,
+            standing,
         } = &self.simplification;
-        let mut lists = [&self.rephrasing, opening, anywhere, closing].into_iter();
+        let mut lists = [&self.rephrasing, opening, anywhere, closing, connecting].into_iter();
         lists.try_for_each(|list| self.check_phrases(list))?;
-        let mut texts = taking.words.iter().chain(&taking.towards);
-        if let Some(word) = texts.find(|word| !readable(word)) {
-            return Err(ModelError::UnreadableWord { word: word.clone() });
+        if let Some((text, _)) = connecting.iter().find(|(_, read_as)| !read_as.is_empty()) {
+            return Err(ModelError::Connecting { text: text.clone() });
+        }
+        let texts = taking.words.iter().chain(&taking.towards).chain(starting);
+        let texts = texts.chain(&standing.clauses).chain(&standing.relations);
+        let mut said = texts.flat_map(|text| text.split(' '));
+        if let Some(word) = said.find(|word| !readable(word)) {
+            return Err(ModelError::UnreadableWord { word: word.into() });
         }
         let words = self.words();
-        let mut read = [&taking.order, &taking.object].into_iter();
-        match read.find(|word| !taking.words.is_empty() && !words.contains(*word)) {
-            Some(word) => Err(ModelError::Rephrased { word: word.clone() }),
+        let taking = (!taking.words.is_empty()).then_some([&taking.order, &taking.object]);
+        let standing = (!standing.relations.is_empty()).then_some(&standing.read_as);
+        let read = taking.into_iter().flatten().chain(standing);
+        let mut read = read.flat_map(|text| text.split(' '));
+        match read.find(|word| !words.contains(*word)) {
+            Some(word) => Err(ModelError::Rephrased { word: word.into() }),
             None => Ok(()),
         }
     }
@@ -278,9 +309,10 @@ impl Domain {
             return Err(ModelError::UnreadableWord { word: word.into() });
         }
         let words = self.words();
+        let named: BTreeSet<&str> = self.group_words().collect();
         let read_as = list.values().filter(|text| !text.is_empty());
         let mut read_as = read_as.flat_map(|text| text.split(' '));
-        match read_as.find(|word| !words.contains(*word)) {
+        match read_as.find(|word| !words.contains(*word) && !named.contains(word)) {
             Some(word) => Err(ModelError::Rephrased { word: word.into() }),
             None => Ok(()),
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nsrm_core::model::{
     Arrangement, Arrangements, Closing, Compound, CompoundText, Compounds, Count, CountedFrom,
     Lists, Opening, Ordinals, Perspectives, Ranked, Rephrased, Rephrasing, Sequence, SequenceText,
-    Simplification, Table, Taking,
+    Simplification, Standing, Table, Taking,
 };
 
 use super::index;
@@ -44,10 +44,15 @@ pub(super) struct SimplificationParts<'a> {
     opening: RephrasingParts<'a>,
     anywhere: RephrasingParts<'a>,
     closing: RephrasingParts<'a>,
+    connecting: RephrasingParts<'a>,
+    starting: Vec<&'a str>,
     words: Vec<&'a str>,
     towards: Vec<&'a str>,
     order: &'a str,
     object: &'a str,
+    clauses: Vec<&'a str>,
+    relations: Vec<&'a str>,
+    read_as: &'a str,
 }
 
 /// What core reads as slices of [`Lists`].
@@ -204,15 +209,20 @@ impl<'a> RephrasingParts<'a> {
 impl<'a> SimplificationParts<'a> {
     pub(super) fn new(domain: &'a Domain) -> Self {
         let simplification = &domain.simplification;
-        let taking = &simplification.taking;
+        let (taking, standing) = (&simplification.taking, &simplification.standing);
         Self {
             opening: RephrasingParts::new(&simplification.opening),
             anywhere: RephrasingParts::new(&simplification.anywhere),
             closing: RephrasingParts::new(&simplification.closing),
+            connecting: RephrasingParts::new(&simplification.connecting),
+            starting: simplification.starting.iter().map(String::as_str).collect(),
             words: taking.words.iter().map(String::as_str).collect(),
             towards: taking.towards.iter().map(String::as_str).collect(),
             order: &taking.order,
             object: &taking.object,
+            clauses: standing.clauses.iter().map(String::as_str).collect(),
+            relations: standing.relations.iter().map(String::as_str).collect(),
+            read_as: &standing.read_as,
         }
     }
 
@@ -222,10 +232,17 @@ impl<'a> SimplificationParts<'a> {
             .with_towards(&self.towards)
             .with_order(self.order)
             .with_object(self.object);
+        let standing = Standing::new()
+            .with_clauses(&self.clauses)
+            .with_relations(&self.relations)
+            .with_read_as(self.read_as);
         Simplification::new()
+            .with_standing(standing)
             .with_opening(self.opening.lent())
             .with_anywhere(self.anywhere.lent())
             .with_closing(self.closing.lent())
+            .with_connecting(self.connecting.lent())
+            .with_starting(&self.starting)
             .with_taking(taking)
     }
 }

@@ -39,6 +39,22 @@ pub(super) fn records(model: &Model<'_>) -> Vec<(&'static str, Node)> {
                     ("anywhere", phrases("FILLERS", "FILLERS_FIRST_WORDS")),
                     ("closing", phrases("CLOSING_PHRASES", "CLOSING_FIRST_WORDS")),
                     (
+                        "connecting",
+                        phrases("CONNECTING", "CONNECTING_FIRST_WORDS"),
+                    ),
+                    ("starting", Node::Reference("STARTING")),
+                    (
+                        "standing",
+                        Node::record(
+                            "Standing",
+                            [
+                                ("clauses", Node::Reference("STANDING_CLAUSES")),
+                                ("relations", Node::Reference("STANDING_RELATIONS")),
+                                ("read_as", model.simplification.standing.read_as.describe()),
+                            ],
+                        ),
+                    ),
+                    (
                         "taking",
                         Node::record(
                             "Taking",
@@ -247,6 +263,36 @@ pub(super) fn tables(model: &Model<'_>) -> Vec<Static> {
             "simplification.closing.first_words",
             "&str",
             model.simplification.closing.first_words,
+        ),
+        table(
+            "CONNECTING",
+            "simplification.connecting.said",
+            "Rephrased<'static>",
+            model.simplification.connecting.said,
+        ),
+        table(
+            "CONNECTING_FIRST_WORDS",
+            "simplification.connecting.first_words",
+            "&str",
+            model.simplification.connecting.first_words,
+        ),
+        table(
+            "STANDING_CLAUSES",
+            "simplification.standing.clauses",
+            "&str",
+            model.simplification.standing.clauses,
+        ),
+        table(
+            "STANDING_RELATIONS",
+            "simplification.standing.relations",
+            "&str",
+            model.simplification.standing.relations,
+        ),
+        table(
+            "STARTING",
+            "simplification.starting",
+            "&str",
+            model.simplification.starting,
         ),
         table(
             "TAKING",

@@ -100,6 +100,7 @@ pub(crate) fn domain() -> Value {
         "extremes": {"Flank": ["outermost"], "Largest": ["largest"]},
         "pronouns": {"then": "", "near": "jar"},
         "placing": ["shift", "near"],
+        "conjunctions": ["so that"],
         "several": {
             "all": ["every"],
             "both": ["both"],
@@ -107,7 +108,7 @@ pub(crate) fn domain() -> Value {
             "plurals": {"jars": "jar"},
         },
         "rephrasing": {"is supposed to": "then", "do so": ""},
-        "simplification": {"opening": {"so": ""}, "anywhere": {"uh": "", "by then": "then"}, "closing": {"then": ""}, "taking": {"words": ["take", "lift"], "towards": ["onto"], "order": "shift", "object": "then"}},
+        "simplification": {"opening": {"so": ""}, "anywhere": {"uh": "", "by then": "then"}, "closing": {"then": ""}, "connecting": {"and then": ""}, "starting": ["first"], "standing": {"clauses": ["that is"], "relations": ["near"], "read_as": "jar near"}, "taking": {"words": ["take", "lift"], "towards": ["onto"], "order": "shift", "object": "then"}},
         "exceptions": {"phrases": ["except for", "except"], "negations": ["that is not"]},
         "perspectives": {"own": ["as i see it"], "other": ["from there", "as you see it"], "opposites": {"Flank": "Stack", "Stack": "Flank"}},
         "lists": {"between": ["as well as"], "them": ["those", "both"], "stacking": ["heap"], "aside": ["near"], "next": ", then"},

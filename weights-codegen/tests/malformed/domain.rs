@@ -192,6 +192,10 @@ fn what_is_said_of_several_objects_in_words_that_are_none() {
 
 #[test]
 fn pronouns_that_are_no_words() {
+    refused_domain(
+        |domain| domain["conjunctions"] = json!(["so That"]),
+        &["no sentence can contain", "That"],
+    );
     let spoils: [(&str, SpoilDomain); 4] = [
         ("set", |domain| domain["placing"] = json!(["set"])),
         ("that", |domain| domain["pronouns"]["that"] = json!("")),

@@ -250,9 +250,30 @@ fn phrases_that_cannot_be_read_or_are_read_as_no_words() {
         |domain| domain["simplification"]["closing"] = json!({"is to": "ought to"}),
         &["\"ought\" is not a word of the domain"],
     );
+    let error = refused_domain(
+        |domain| domain["simplification"]["connecting"] = json!({"and then": "then"}),
+        &[
+            "simplification.connecting",
+            "\"and then\" only connects a step",
+        ],
+    );
+    let text = "and then".into();
+    assert_eq!(error, ModelError::Connecting { text });
     refused_domain(
         |domain| domain["simplification"]["taking"]["object"] = json!("that"),
         &["\"that\" is not a word of the domain"],
+    );
+    refused_domain(
+        |domain| domain["simplification"]["standing"]["read_as"] = json!("jar that"),
+        &["\"that\" is not a word of the domain"],
+    );
+    refused_domain(
+        |domain| domain["simplification"]["standing"]["clauses"] = json!(["That is"]),
+        &["no sentence can contain"],
+    );
+    refused_domain(
+        |domain| domain["simplification"]["starting"] = json!(["First"]),
+        &["no sentence can contain"],
     );
     refused_domain(
         |domain| domain["simplification"]["taking"]["words"] = json!(["Lift"]),

@@ -161,6 +161,7 @@ impl Reader {
         let found = places.find_map(|at| said.simpler(&self.tokens, at));
         let Some((words, read_as)) = found else {
             self.put_values_before_nouns(said)?;
+            said.read_articles(&mut self.tokens);
             self.rewriting = Rewriting::Rephrasing { from: 0 };
             return self.is_simpler.then_some(()).ok_or(Refusal::NoWords);
         };

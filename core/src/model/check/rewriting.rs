@@ -6,7 +6,8 @@ mod tests;
 use super::{MAX_INDEXED, ModelFault};
 use crate::model::{
     COMPOSED, Compound, CompoundKind, CountedFrom, Distances, Exceptions, Lists, MAX_SIDES, Model,
-    Ordinals, Perspectives, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Table, Taking,
+    Ordinals, Perspectives, Ranked, Repairs, Rephrasing, Sequence, SequenceText, Standing, Table,
+    Taking,
 };
 
 impl<'a> Model<'a> {
@@ -144,10 +145,33 @@ impl<'a> Model<'a> {
     }
 
     pub(super) fn check_rephrasing(&self) -> Result<(), ModelFault<'a>> {
-        let [opening, anywhere, closing] = self.simplification.lists();
-        let mut lists = [&self.rephrasing, opening, anywhere, closing].into_iter();
+        let lists = self.simplification.lists();
+        let mut lists = [&self.rephrasing].into_iter().chain(lists);
         lists.try_for_each(|list| self.check_phrases(list))?;
-        self.check_taking()
+        let mut connecting = self.simplification.connecting.said.iter();
+        let unsorted = first_unsorted(self.simplification.starting.iter().copied());
+        let read = connecting.find(|said| !said.read_as.is_empty());
+        if let Some(text) = unsorted.or(read.map(|said| said.text)) {
+            return Err(ModelFault::Connecting(text));
+        }
+        self.check_taking()?;
+        self.check_standing()
+    }
+
+    fn check_standing(&self) -> Result<(), ModelFault<'a>> {
+        let Standing {
+            clauses,
+            relations,
+            read_as,
+        } = self.simplification.standing;
+        let mut texts = [clauses, relations].into_iter();
+        if let Some(text) = texts.find_map(|texts| first_unsorted(texts.iter().copied())) {
+            return Err(ModelFault::StandingText(text));
+        }
+        match self.first_unknown(Some(read_as).filter(|_| !relations.is_empty()).into_iter()) {
+            Some(text) => Err(ModelFault::RephrasedWord(text)),
+            None => Ok(()),
+        }
     }
 
     fn check_taking(&self) -> Result<(), ModelFault<'a>> {
@@ -176,8 +200,10 @@ impl<'a> Model<'a> {
         if let Some(text) = unsorted.or_else(|| texts().find(|text| !begins(text))) {
             return Err(ModelFault::Rephrased(text));
         }
-        let read_as = said.iter().map(|said| said.read_as);
-        match self.first_unknown(read_as.filter(|text| !text.is_empty())) {
+        let mut read_as = said.iter().flat_map(|said| said.read_as.split(' '));
+        let is_named = |text: &str| self.lexicon.iter().any(|entry| entry.text == text);
+        let is_known = |text: &str| text.is_empty() || self.is_word(text) || is_named(text);
+        match read_as.find(|text| !is_known(text)) {
             Some(text) => Err(ModelFault::RephrasedWord(text)),
             None => Ok(()),
         }
@@ -359,8 +385,11 @@ impl<'a> Model<'a> {
 
     /// The first word of these texts that is none of the model's.
     fn first_unknown(&self, mut texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-        let is_word = |text: &str| self.words.iter().any(|word| word.text == text);
-        texts.find_map(|text| text.split(' ').find(|text| !is_word(text)))
+        texts.find_map(|text| text.split(' ').find(|text| !self.is_word(text)))
+    }
+
+    fn is_word(&self, text: &str) -> bool {
+        self.words.iter().any(|word| word.text == text)
     }
 
     /// Whether the words of every sentence are read as they stand.
@@ -382,7 +411,7 @@ impl<'a> Model<'a> {
 }
 
 /// The first of these texts that is empty or does not come behind the one before it.
-fn first_unsorted<'a>(texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub(super) fn first_unsorted<'a>(texts: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut before = "";
     texts.into_iter().find(|text| {
         let is_behind = *text > before;

@@ -280,10 +280,17 @@ fn each_fault_of_what_is_read_as_other_words_is_named() {
         none.with_opening(list),
         none.with_anywhere(list),
         none.with_closing(list),
+        none.with_connecting(list),
     ] {
         let checked = model.with_simplification(simplification).check();
         assert_eq!(checked, Err(ModelFault::Rephrased("so")));
     }
+    let connecting = [Rephrased::new().with_text("so").with_read_as("put")];
+    let connecting = list.with_said(&connecting);
+    let checked = model.with_simplification(none.with_connecting(connecting));
+    assert_eq!(checked.check(), Err(ModelFault::Connecting("so")));
+    let checked = model.with_simplification(none.with_starting(&["first", "begin"]));
+    assert_eq!(checked.check(), Err(ModelFault::Connecting("begin")));
     assert_eq!(check(["is to", "so that"], "", first), Ok(()));
     for (texts, first_words, named) in [
         (["so that", "is to"], first, "\"is to\", which is read"),
