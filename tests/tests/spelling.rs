@@ -94,8 +94,8 @@ fn a_word_that_may_be_another_one_is_refused() {
             ("put teh red block on sideway the blue block", "teh"),
             // A further word is unknown.
             ("put teh red block on the purple block", "purple"),
-            // Sixteen readings.
-            ("put thn red block on thn thn thn blue block", "thn"),
+            // More misspelt words than are read as others.
+            ("put thn red block on thn thn thn thn blue block", "thn"),
         ] {
             assert_eq!(read(model, sentence), Err(unknown.into()), "{sentence}");
         }
