@@ -28,8 +28,8 @@ from nsrm_harness.learning.baseline.train import (
     BaselineConfig,
     attention_stage,
     blends_loss,
-    lessons,
     pairs_loss,
+    samples,
     train,
     understand,
 )
@@ -143,26 +143,26 @@ def test_steps_follow_one_another(toys: Toys, words: StepWords) -> None:
 def test_the_first_stage_weighs_every_pair(toys: Toys, words: StepWords) -> None:
     """Its loss by hand: each pair moves one object, and counts as far as it is attended to."""
     model, config = Baseline(WORDS, jax.random.key(0)), BaselineConfig()
-    lesson = jax.tree.map(lambda a: a[0], lessons(toys.data, words, np.arange(1)))
+    sample = jax.tree.map(lambda a: a[0], samples(toys.data, words, np.arange(1)))
     meaning = jax.tree.map(lambda a: a[0, 0], understand(model, toys.data, words))
-    before = lesson.scene.before
+    before = sample.scene.before
 
     @jax.jit
     def pair_loss(moved: int, reference: int) -> Array:
         goal = model.simulator(meaning.action, before[moved], before[reference])
-        return scene_loss(before.at[moved].set(goal), lesson.scene, config.loss)
+        return scene_loss(before.at[moved].set(goal), sample.scene, config.loss)
 
     pairs = list(itertools.product(range(5), range(5)))
     losses = np.array([pair_loss(*pair) for pair in pairs], np.float64)
     shares = np.array([meaning.object[i] * meaning.reference[j] for i, j in pairs], np.float64)
     expected = -config.temperature * np.log(np.sum(shares * np.exp(-losses / config.temperature)))
     crops = jnp.asarray(toys.data.crops[toys.data.crop_of[0]])
-    found = eqx.filter_jit(lambda m: pairs_loss(m, lesson, jax.vmap(m.encode)(crops), config))
+    found = eqx.filter_jit(lambda m: pairs_loss(m, sample, jax.vmap(m.encode)(crops), config))
     assert float(found(model)) == pytest.approx(expected, rel=1e-4)
 
 
 def test_the_loss_reaches_every_part(toys: Toys, words: StepWords) -> None:
-    model, every = Baseline(WORDS, jax.random.key(0)), lessons(toys.data, words, np.arange(12))
+    model, every = Baseline(WORDS, jax.random.key(0)), samples(toys.data, words, np.arange(12))
     common, key = lookup(toys.data), jax.random.key(1)
     stage = attention_stage("joint", NONE, BaselineConfig(), every, common, blends_loss)
     gradient = eqx.filter_jit(

@@ -12,7 +12,7 @@ from harness_command import run
 
 from nsrm_harness import domain as domains
 from nsrm_harness.evaluation.metrics import domain_of
-from nsrm_harness.evaluation.viewpoints import VIEWS, View, measure
+from nsrm_harness.evaluation.viewpoints import VIEWS, CameraPlacement, measure
 from nsrm_harness.geometry.pose import Pose
 from nsrm_harness.simulation.blocks import block_from_attributes
 from nsrm_harness.simulation.render import Light, open_renderer
@@ -22,8 +22,8 @@ from nsrm_harness.simulation.world import World
 PRETRAINED = Path(__file__).parents[2] / "weights-codegen/tabletop/tabletop.safetensors"
 MODEL = nsrm.Model.pretrained()
 DOMAIN = domain_of(MODEL, domains.load())
-FAR = View(distance_m=1.7, focal_px=1250.0)
-BEHIND = View(azimuth=180.0, elevation=60.0, distance_m=1.0, focal_px=720.0)
+FAR = CameraPlacement(distance_m=1.7, focal_px=1250.0)
+BEHIND = CameraPlacement(azimuth=180.0, elevation=60.0, distance_m=1.0, focal_px=720.0)
 
 
 def test_another_camera_moves_no_sub_goal() -> None:
@@ -36,17 +36,17 @@ def test_another_camera_moves_no_sub_goal() -> None:
 
 
 def test_what_a_camera_sees_too_steeply_is_refused() -> None:
-    (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=85.0)])
+    (row,) = measure(MODEL, DOMAIN, 12, 3, [CameraPlacement(elevation=85.0)])
     assert row.refused >= 8 and row.wrong == 0
 
 
 def test_what_a_camera_sees_from_too_low_is_refused() -> None:
-    (row,) = measure(MODEL, DOMAIN, 12, 3, [View(elevation=25.0)])
+    (row,) = measure(MODEL, DOMAIN, 12, 3, [CameraPlacement(elevation=25.0)])
     assert row.refused == 12
 
 
 @pytest.mark.parametrize("view", [FAR, BEHIND])
-def test_what_is_offered_by_place_is_what_the_camera_sees(view: View) -> None:
+def test_what_is_offered_by_place_is_what_the_camera_sees(view: CameraPlacement) -> None:
     values = [
         {"color": "red", "size": "small"},
         {"color": "red", "size": "small"},

@@ -127,7 +127,7 @@ COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ParsedSentence:
     """A sentence and what was made of it."""
 
     sentence: str
@@ -470,14 +470,16 @@ def _program(text: str) -> Program | None:
     return tuple(Step.from_json(step) for step in json.loads(text)["steps"])
 
 
-def understand(model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]]) -> list[Outcome]:
+def understand(
+    model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]]
+) -> list[ParsedSentence]:
     """What the model makes of each sentence."""
     outcomes = []
     for sentence, meant in sentences:
         try:
             steps = model.parse(sentence).steps
         except nsrm.Refused as refusal:
-            outcomes.append(Outcome(sentence, meant, None, str(refusal)))
+            outcomes.append(ParsedSentence(sentence, meant, None, str(refusal)))
             continue
         program = tuple(
             Step.from_json(
@@ -490,11 +492,11 @@ def understand(model: nsrm.Model, sentences: Iterable[tuple[str, Program | None]
             )
             for step in steps
         )
-        outcomes.append(Outcome(sentence, meant, program))
+        outcomes.append(ParsedSentence(sentence, meant, program))
     return outcomes
 
 
-def count(name: str, outcomes: Sequence[Outcome]) -> Counted:
+def count(name: str, outcomes: Sequence[ParsedSentence]) -> Counted:
     """The numbers of a set."""
     refused = sum(each.understood is None for each in outcomes)
     right = sum(each.is_right for each in outcomes)

@@ -54,7 +54,7 @@ TIMES = 3
 
 
 @dataclass(frozen=True)
-class Said:
+class EpisodeSentence:
     """A sentence about an episode."""
 
     episode: int
@@ -73,7 +73,7 @@ class Said:
         return references == [self.blocks[1], *moved[:-1]]
 
 
-Sentence = Said | PutOnTable | PutBeside
+Sentence = EpisodeSentence | PutOnTable | PutBeside
 """A sentence about an episode."""
 
 
@@ -89,7 +89,9 @@ def measure_relations(
         rows: list[Counted] = []
         known = set(domain.everyday.states())
 
-        def in_scenes(name: str, told: list[Said], misleading: list[Said]) -> list[Counted]:
+        def in_scenes(
+            name: str, told: list[EpisodeSentence], misleading: list[EpisodeSentence]
+        ) -> list[Counted]:
             sets = {"in scenes": told, "of none or several": misleading}
             return [
                 _grounded(
@@ -142,9 +144,9 @@ def measure_relations(
 
 def _several(
     domain: Domain, judge: GroundTruth, seed: int, name: str, programs: SeveralPrograms
-) -> dict[str, list[Said]]:
+) -> dict[str, list[EpisodeSentence]]:
     """Sentences that move several blocks of the scenes, by the name of their set."""
-    sets: dict[str, list[Said]] = {
+    sets: dict[str, list[EpisodeSentence]] = {
         f"{name} in scenes": [],
         f"{name} in scenes with stacks": [],
         f"{name} of another number": [],
@@ -155,24 +157,26 @@ def _several(
         true, untrue = programs(domain, truth, rng, TIMES)
         # What carries another block is hidden in part, and so is what it may look like.
         chosen = hidden if has_stack(truth) else told
-        chosen += [Said(index, each.program, (each.moved, each.reference)) for each in true]
-        misleading += [Said(index, each.program, None) for each in untrue]
+        chosen += [
+            EpisodeSentence(index, each.program, (each.moved, each.reference)) for each in true
+        ]
+        misleading += [EpisodeSentence(index, each.program, None) for each in untrue]
     return sets
 
 
 def _programs(
     domain: Domain, judge: GroundTruth, seed: int, true: Programs, untrue: Programs
-) -> tuple[list[Said], list[Said]]:
+) -> tuple[list[EpisodeSentence], list[EpisodeSentence]]:
     """Programs that are true, and that hold for no block or for several."""
-    told: list[Said] = []
-    misleading: list[Said] = []
+    told: list[EpisodeSentence] = []
+    misleading: list[EpisodeSentence] = []
     for index in range(len(judge)):
         truth, rng = judge.truth(index), generator(seed, "related", index)
         for program in true(domain, truth, rng, TIMES):
             (step,) = truth.steps
-            told.append(Said(index, program, ((step.object_id,), step.reference_id)))
+            told.append(EpisodeSentence(index, program, ((step.object_id,), step.reference_id)))
         for program in untrue(domain, truth, rng, TIMES):
-            misleading.append(Said(index, program, None))
+            misleading.append(EpisodeSentence(index, program, None))
     return told, misleading
 
 

@@ -32,7 +32,7 @@ MAX_DRAWS = 100
 
 
 @dataclass(frozen=True)
-class View:
+class CameraPlacement:
     """Where a camera stands.
 
     * `azimuth`: to which side of the table, degrees; at 0 opposite the robot
@@ -71,18 +71,18 @@ class View:
 
 VIEWS = (
     None,
-    View(),
-    View(distance_m=0.8, focal_px=600.0),
-    View(distance_m=1.7, focal_px=1250.0),
-    View(width=320, height=240, focal_px=450.0),
-    View(width=1280, height=960, focal_px=1800.0),
-    View(elevation=25.0),
-    View(elevation=35.0),
-    View(elevation=60.0),
-    View(elevation=75.0),
-    View(azimuth=30.0),
-    View(azimuth=-90.0),
-    View(azimuth=180.0, elevation=60.0, distance_m=1.0, focal_px=720.0),
+    CameraPlacement(),
+    CameraPlacement(distance_m=0.8, focal_px=600.0),
+    CameraPlacement(distance_m=1.7, focal_px=1250.0),
+    CameraPlacement(width=320, height=240, focal_px=450.0),
+    CameraPlacement(width=1280, height=960, focal_px=1800.0),
+    CameraPlacement(elevation=25.0),
+    CameraPlacement(elevation=35.0),
+    CameraPlacement(elevation=60.0),
+    CameraPlacement(elevation=75.0),
+    CameraPlacement(azimuth=30.0),
+    CameraPlacement(azimuth=-90.0),
+    CameraPlacement(azimuth=180.0, elevation=60.0, distance_m=1.0, focal_px=720.0),
 )
 """None is the camera of the training."""
 
@@ -106,7 +106,7 @@ class ViewRow:
 
 
 @dataclass(frozen=True)
-class Task:
+class SceneSentence:
     """A sentence about a scene, and what it means there."""
 
     sentence: str
@@ -120,7 +120,7 @@ def measure(
     domain: Domain,
     count: int,
     seed: int,
-    views: Sequence[View | None] = VIEWS,
+    views: Sequence[CameraPlacement | None] = VIEWS,
     report: Callable[[], object] = lambda: None,
 ) -> list[ViewRow]:
     """`count` sentences through each camera; calls `report` after each. The blocks stand square to
@@ -176,7 +176,7 @@ def _quantiles_mm(errors_m: Sequence[float]) -> tuple[float, float] | tuple[None
 
 def _scene(
     rng: np.random.Generator, domain: Domain, world: World, camera: Camera, drawing: Any
-) -> tuple[Task, SegmentedImage]:
+) -> tuple[SceneSentence, SegmentedImage]:
     """A scene in which both blocks of a sentence are seen completely."""
     while True:
         blocks = sample_blocks(rng, domain, BLOCKS)
@@ -211,7 +211,7 @@ def _task(
     ids: Sequence[int],
     whole: set[int],
     camera: Camera,
-) -> Task | None:
+) -> SceneSentence | None:
     """A sentence of one step whose target lies in the work space; None if none was found."""
     unique = unique_descriptions(domain, blocks, Descriptions(1, 2))
     turn = Rotation.from_euler("z", _azimuth(camera) - _azimuth(default_camera()))
@@ -231,7 +231,7 @@ def _task(
         said = [list(unique[index].values())[-1] for index in (moved, reference)]
         step = Step(action.name, said[0], said[1])
         sentence = Grammar(domain).plain((step,))
-        return Task(sentence, ids[moved], ids[reference], place)
+        return SceneSentence(sentence, ids[moved], ids[reference], place)
     return None
 
 
@@ -242,7 +242,7 @@ def _azimuth(camera: Camera) -> float:
 
 
 def _plan(
-    model: nsrm.Model, task: Task, seen: SegmentedImage, camera: Camera
+    model: nsrm.Model, task: SceneSentence, seen: SegmentedImage, camera: Camera
 ) -> nsrm.PlannedStep | None:
     """The planned step; None if the sentence is refused."""
     scene = model.observe(

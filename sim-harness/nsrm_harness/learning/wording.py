@@ -101,7 +101,7 @@ class ToldSteps(NamedTuple):
     """What explains the final scene, `[P]`; see `explain.Explained`."""
 
 
-class NearMisses(NamedTuple):
+class NearMissTokens(NamedTuple):
     """Sentences that mean nothing as one step."""
 
     tokens: Array
@@ -171,7 +171,7 @@ def _any(rng: np.random.Generator, rows: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def wording_stage(
-    config: WordingConfig, steps: ToldSteps, misses: NearMisses, unsplit: Unsplit
+    config: WordingConfig, steps: ToldSteps, misses: NearMissTokens, unsplit: Unsplit
 ) -> Stage:
     """Parser and splitter on told steps and near misses."""
     return Stage(NAME, config.stage, (steps, misses, unsplit), (), _loss)
@@ -195,7 +195,7 @@ def _step_loss(language: Language, step: ToldSteps, alone: Array) -> Array:
     return -meant - heard.acceptable - end
 
 
-def _nothing_loss(language: Language, miss: NearMisses) -> Array:
+def _nothing_loss(language: Language, miss: NearMissTokens) -> Array:
     """Surprise, in nats, that not all words are acceptable."""
     heard = language.heard(miss.tokens, jnp.arange(MOST_TOKENS) < miss.length)
     return -jnp.log(-jnp.expm1(heard.acceptable - CERTAIN))
@@ -209,7 +209,7 @@ def _whole_loss(language: Language, command: Unsplit) -> Array:
 
 def near_misses(
     tokenizer: Tokenizer, found: Told, joined: Sequence[np.ndarray]
-) -> tuple[NearMisses, Unsplit]:
+) -> tuple[NearMissTokens, Unsplit]:
     """The near misses as arrays, without reserved patterns.
 
     `joined`: the tokens of two steps that are not one
@@ -230,7 +230,7 @@ def near_misses(
     ]
     if not (misses and unsplit):
         raise TrainingError("too few near misses: make more with 'harness sentences'")
-    return NearMisses(*_padded(misses, MOST_TOKENS)), Unsplit(*_padded(unsplit, width))
+    return NearMissTokens(*_padded(misses, MOST_TOKENS)), Unsplit(*_padded(unsplit, width))
 
 
 def _rows(tokenizer: Tokenizer, sentence: str) -> np.ndarray:

@@ -31,7 +31,7 @@ from nsrm_harness.evaluation.refusals.measure import (
 LEAST_SHARE = 1e-5
 
 
-class CalibrationError(EvaluationError):
+class ThresholdError(EvaluationError):
     """Validation sentences that guarantee the limit at no confidence."""
 
 
@@ -137,14 +137,14 @@ def calibrate(
     * `others`: files with other splits, of which `test` has sentences that must be refused, too
     * `count`: how many of these there are of each kind
 
-    Raises `CalibrationError` if that guarantees the limit at no confidence.
+    Raises `ThresholdError` if that guarantees the limit at no confidence.
     """
     outcomes = _planned(model, validation, count, quiet)
     confidences, right = _arrays(outcomes)
     try:
         found = nsrm.least_confidence(confidences, right, limit.wrong, limit.level)
     except nsrm.NsrmError as error:
-        raise CalibrationError(f"{validation}: {error}") from error
+        raise ThresholdError(f"{validation}: {error}") from error
     rows = _rows(_split_of(validation), outcomes, found, limit)
     for path in others:
         rows += _rows(_split_of(path), _planned(model, path, count, quiet), found, limit)

@@ -76,7 +76,7 @@ class BaselineConfig:
     """Only the action module, on the model's own attention."""
 
 
-class Lesson(NamedTuple):
+class Sample(NamedTuple):
     """One demonstration: steps `[S, T]`, `[S]`, their number, scene, and its crops `[M]`."""
 
     tokens: Array
@@ -86,14 +86,14 @@ class Lesson(NamedTuple):
     crop_of: Array
 
 
-LessonLoss = Callable[[Baseline, Lesson, Array, BaselineConfig], Array]
-"""Loss of one lesson, from object embeddings `[M, 64]`."""
+SampleLoss = Callable[[Baseline, Sample, Array, BaselineConfig], Array]
+"""Loss of one sample, from object embeddings `[M, 64]`."""
 
 
-def lessons(data: TrainingSet, words: StepWords, chosen: np.ndarray) -> Lesson:
+def samples(data: TrainingSet, words: StepWords, chosen: np.ndarray) -> Sample:
     """The chosen episodes with a leading axis, and as many steps as they have."""
     steps = int(words.count[chosen].max(initial=1))
-    return Lesson(
+    return Sample(
         jnp.asarray(words.tokens[chosen, :steps]),
         jnp.asarray(words.length[chosen, :steps]),
         jnp.asarray(words.count[chosen]),
@@ -112,10 +112,10 @@ def untrained(words: tuple[str, ...], data: TrainingSet, seed: int) -> Baseline:
     )
 
 
-def pairs_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
+def pairs_loss(model: Baseline, sample: Sample, objects: Array, config: BaselineConfig) -> Array:
     """Soft minimum over both arguments of a one-step command; object embeddings `[M, 64]`."""
-    scene = lesson.scene
-    meaning = model.understand(lesson.tokens, lesson.length, objects, scene.present)
+    scene = sample.scene
+    meaning = model.understand(sample.tokens, sample.length, objects, scene.present)
     action, *attention = (one[0] for one in meaning)
     chosen, reference = (jnp.log(jnp.maximum(share, LEAST_SHARE)) for share in attention)
 
@@ -127,11 +127,11 @@ def pairs_loss(model: Baseline, lesson: Lesson, objects: Array, config: Baseline
     return exact_step(simulate, only_action, scene, objective)
 
 
-def blends_loss(model: Baseline, lesson: Lesson, objects: Array, config: BaselineConfig) -> Array:
+def blends_loss(model: Baseline, sample: Sample, objects: Array, config: BaselineConfig) -> Array:
     """Loss of the final scene that attention predicts; object embeddings `[M, 64]`."""
-    scene = lesson.scene
-    meaning = model.understand(lesson.tokens, lesson.length, objects, scene.present)
-    locations, _ = carry_out(model.simulator, meaning, scene.before, lesson.count)
+    scene = sample.scene
+    meaning = model.understand(sample.tokens, sample.length, objects, scene.present)
+    locations, _ = carry_out(model.simulator, meaning, scene.before, sample.count)
     return scene_loss(locations, scene, config.loss)
 
 
@@ -139,30 +139,30 @@ def attention_stage(
     name: str,
     stage: StageConfig,
     config: BaselineConfig,
-    lesson: Lesson,
+    sample: Sample,
     lookup: Lookup,
-    lesson_loss: LessonLoss,
+    sample_loss: SampleLoss,
 ) -> Stage:
     """A stage that trains everything, on augmented crops."""
 
     def loss(
         model: Baseline, lookup: Lookup, batch: tuple[Any, ...], key: Array, done: Array
     ) -> Array:
-        lesson: Lesson = batch[0]
-        seen = varied_crops(key, lookup.crops[lesson.crop_of.reshape(-1)])
-        objects = jax.vmap(model.encode)(*seen).reshape(*lesson.crop_of.shape, -1)
-        losses = jax.vmap(lesson_loss, (None, 0, 0, None))
-        return losses(model, lesson, objects, config).mean()
+        sample: Sample = batch[0]
+        seen = varied_crops(key, lookup.crops[sample.crop_of.reshape(-1)])
+        objects = jax.vmap(model.encode)(*seen).reshape(*sample.crop_of.shape, -1)
+        losses = jax.vmap(sample_loss, (None, 0, 0, None))
+        return losses(model, sample, objects, config).mean()
 
-    return Stage(name, stage, (lesson,), lookup, loss)
+    return Stage(name, stage, (sample,), lookup, loss)
 
 
-def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) -> Stage:
+def simulator_stage(config: BaselineConfig, sample: Sample, meaning: Meaning) -> Stage:
     """A stage that trains the action module on the rest of the model's output."""
 
-    def rollout(model: Baseline, lesson: Lesson, meaning: Meaning) -> Array:
-        scene = lesson.scene
-        locations, _ = carry_out(model.simulator, meaning, scene.before, lesson.count)
+    def rollout(model: Baseline, sample: Sample, meaning: Meaning) -> Array:
+        scene = sample.scene
+        locations, _ = carry_out(model.simulator, meaning, scene.before, sample.count)
         losses = location_loss(locations, scene.after, config.polish_loss)
         losses = jnp.minimum(losses, config.polish_cap)
         return jnp.sum(jnp.where(scene.present, losses, 0.0)) / jnp.sum(scene.present)
@@ -170,16 +170,16 @@ def simulator_stage(config: BaselineConfig, lesson: Lesson, meaning: Meaning) ->
     def loss(model: Baseline, _: Any, batch: tuple[Any, ...], key: Array, done: Array) -> Array:
         return jax.vmap(rollout, (None, 0, 0))(model, *batch[0]).mean()
 
-    return Stage("simulator", config.simulator, ((lesson, meaning),), (), loss)
+    return Stage("simulator", config.simulator, ((sample, meaning),), (), loss)
 
 
 @eqx.filter_jit
-def _understand(model: Baseline, lesson: Lesson, crops: Array) -> Meaning:
-    def one(lesson: Lesson, crops: Array) -> Meaning:
+def _understand(model: Baseline, sample: Sample, crops: Array) -> Meaning:
+    def one(sample: Sample, crops: Array) -> Meaning:
         objects = jax.vmap(model.encode)(crops)
-        return model.understand(lesson.tokens, lesson.length, objects, lesson.scene.present)
+        return model.understand(sample.tokens, sample.length, objects, sample.scene.present)
 
-    return jax.vmap(one)(lesson, crops)
+    return jax.vmap(one)(sample, crops)
 
 
 def understand(model: Baseline, data: TrainingSet, words: StepWords) -> Meaning:
@@ -188,8 +188,8 @@ def understand(model: Baseline, data: TrainingSet, words: StepWords) -> Meaning:
     for start in range(0, len(data), CHUNK):
         # Always the same size, so that it is compiled once.
         chosen = np.arange(start, start + CHUNK).clip(max=len(data) - 1)
-        lesson = lessons(data, words, chosen)
-        found = _understand(model, lesson, jnp.asarray(data.crops[data.crop_of[chosen]]))
+        sample = samples(data, words, chosen)
+        found = _understand(model, sample, jnp.asarray(data.crops[data.crop_of[chosen]]))
         keep = min(CHUNK, len(data) - start)
         parts.append(jax.tree.map(lambda a, keep=keep: a[:keep], found))
     return jax.tree.map(lambda *arrays: jnp.concatenate(arrays), *parts)
@@ -209,7 +209,7 @@ def train(
         raise TrainingError(
             "baseline: no one-step commands in the training data: generate more episodes"
         )
-    first, every = (lessons(data, words, chosen) for chosen in (single, np.arange(len(data))))
+    first, every = (samples(data, words, chosen) for chosen in (single, np.arange(len(data))))
     common, attempts = lookup(data), []
     attention = (
         attention_stage("single", config.single, config, first, common, pairs_loss),
