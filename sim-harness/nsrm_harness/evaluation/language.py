@@ -33,11 +33,13 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import nsrm
+import numpy as np
 
 from nsrm_harness.data.apart import ApartSentences
 from nsrm_harness.data.arranged import ArrangedSentences
@@ -99,30 +101,8 @@ PRONOUN_TIMES = 3
 """How often a program of several steps is said with a pronoun."""
 MIXED_STEPS, MIXED_COUNT = (1, 2, 3, 5), 1000
 """Numbers of steps of programs that mix all kinds of descriptions, and how many of each."""
-ARRANGED_COUNT = 2000
-"""How many towers and rows, and how many that mean none."""
-TABLE_COUNT = 2000
-"""How many sentences about the table, and how many that mean nothing."""
-COMPOUND_COUNT = 2000
-"""How many sentences with compounds of actions, and how many that mean nothing."""
-REPAIR_COUNT = 2000
-"""How many sentences in which something is taken back, and how many of which nobody can tell."""
-SEQUENCE_COUNT = 2000
-"""How many sentences of two steps in another order, and how many without any."""
-REPHRASED_COUNT = 2000
-"""How many sentences in other phrases, and how many in which these order nothing."""
-WORDY_COUNT = 2000
-"""How many sentences with words that they can do without, and how many that order nothing."""
-PERSPECTIVE_COUNT = 2000
-"""How many sentences from a point of view, and how many from nobody's."""
-LIST_COUNT = 2000
-"""How many sentences that list what is moved, and how many that list nothing so."""
-EXCEPTION_COUNT = 2000
-"""How many sentences with exceptions, and how many that have none."""
-DISTANCE_COUNT = 2000
-"""How many sentences with distances, and how many that mean none."""
-ORDINAL_COUNT = 2000
-"""How many sentences that count, and how many that count nothing."""
+CONSTRUCT_COUNT = 2000
+"""How many sentences of each construct, and how many with its words that must be refused."""
 COLUMNS = ("set", "seed", "count", "right", "refused", "wrong")
 
 
@@ -177,32 +157,9 @@ def measure_episodes(model: nsrm.Model, path: Path, seed: int) -> list[Counted]:
         sets |= say_several(domain, programs, seed)
     if domain.apart is not None:
         sets |= say_apart(domain, programs, seed)
-    if domain.rephrasing:
-        sets |= say_rephrased(domain, seed)
-    if domain.simplification is not None:
-        sets |= say_wordy(domain, seed)
-    if domain.perspectives is not None:
-        sets |= say_perspectives(domain, seed)
-    if domain.lists is not None:
-        sets |= say_lists(domain, seed)
-    if domain.exceptions is not None:
-        sets |= say_exceptions(domain, seed)
-    if domain.repairs is not None:
-        sets |= say_repairs(domain, seed)
-    if domain.sequence is not None:
-        sets |= say_sequences(domain, seed)
-    if domain.ordinals is not None:
-        sets |= say_ordinals(domain, seed)
-    if domain.arrangements is not None:
-        sets |= say_arranged(domain, seed)
-    if domain.table is not None:
-        sets |= say_on_table(domain, seed)
-    if domain.compounds is not None:
-        sets |= say_compounds(domain, seed)
-    if between_of(domain) is not None:
-        sets |= say_between(domain, seed)
-    if domain.distances is not None:
-        sets |= say_distances(domain, seed)
+    for construct in CONSTRUCTS:
+        if construct.is_known(domain):
+            sets |= say_construct(construct, domain, seed)
     if domain.pronouns:
         sets |= say_pronouns(domain, programs, seed)
     return rows + [count(name, understand(model, said)) for name, said in sets.items()]
@@ -246,136 +203,98 @@ def say_apart(domain: Domain, programs: Sequence[Program], seed: int) -> dict[st
     }
 
 
-def say_rephrased(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`REPHRASED_COUNT` sentences with phrases that are read as others, and as many in which these
-    order nothing, by the name of their set."""
-    sentences = RephrasedSentences(domain, generator(seed, "rephrased", 0))
-    return {
-        "other phrases": [sentences.draw() for _ in range(REPHRASED_COUNT)],
-        "no orders": [(sentences.near_miss(), None) for _ in range(REPHRASED_COUNT)],
-    }
+class ConstructSentences(Protocol):
+    """Draws sentences of a construct of one domain."""
+
+    def draw(self) -> tuple[str, Program]:
+        """A sentence and the program that it means."""
+        ...
+
+    def near_miss(self) -> str:
+        """A sentence with the construct's words that must be refused."""
+        ...
 
 
-def say_wordy(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`WORDY_COUNT` sentences with words that they can do without, and as many in which these order
-    nothing, by the name of their set."""
-    sentences = WordySentences(domain, generator(seed, "wordy", 0))
-    return {
-        "wordy": [sentences.draw() for _ in range(WORDY_COUNT)],
-        "no wordy orders": [(sentences.near_miss(), None) for _ in range(WORDY_COUNT)],
-    }
+@dataclass(frozen=True)
+class Construct:
+    """What sentences of its own are drawn for, one after the other from a random stream."""
+
+    stream: str
+    sentences: Callable[[Domain, np.random.Generator], ConstructSentences]
+    #: Names of the sets of those that mean something, and of those that must be refused.
+    name: str
+    refused: str
+    #: Whether a domain has it.
+    is_known: Callable[[Domain], bool]
 
 
-def say_perspectives(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`PERSPECTIVE_COUNT` sentences that say whose left is meant, and as many from the point of
-    view of nobody, by the name of their set."""
-    sentences = PerspectiveSentences(domain, generator(seed, "perspectives", 0))
-    return {
-        "points of view": [sentences.draw() for _ in range(PERSPECTIVE_COUNT)],
-        "no points of view": [(sentences.near_miss(), None) for _ in range(PERSPECTIVE_COUNT)],
-    }
+CONSTRUCTS = (
+    Construct(
+        "rephrased", RephrasedSentences, "other phrases", "no orders",
+        lambda domain: bool(domain.rephrasing),
+    ),
+    Construct(
+        "wordy", WordySentences, "wordy", "no wordy orders",
+        lambda domain: domain.simplification is not None,
+    ),
+    Construct(
+        "perspectives", PerspectiveSentences, "points of view", "no points of view",
+        lambda domain: domain.perspectives is not None,
+    ),
+    Construct(
+        "listed", ListedSentences, "lists", "no lists",
+        lambda domain: domain.lists is not None,
+    ),
+    Construct(
+        "exceptions", ExceptionSentences, "exceptions", "no exceptions",
+        lambda domain: domain.exceptions is not None,
+    ),
+    Construct(
+        "repairs", RepairSentences, "repairs", "no repairs",
+        lambda domain: domain.repairs is not None,
+    ),
+    Construct(
+        "sequences", SequenceSentences, "order of time", "no order of time",
+        lambda domain: domain.sequence is not None,
+    ),
+    Construct(
+        "ordinals", OrdinalSentences, "ordinals", "no ordinals",
+        lambda domain: domain.ordinals is not None,
+    ),
+    Construct(
+        "arranged", ArrangedSentences, "towers and rows", "no towers and rows",
+        lambda domain: domain.arrangements is not None,
+    ),
+    Construct(
+        "on_table", TableSentences, "on the table", "not on the table",
+        lambda domain: domain.table is not None,
+    ),
+    Construct(
+        "compounds", CompoundSentences, "next to and diagonally", "not next to",
+        lambda domain: domain.compounds is not None,
+    ),
+    Construct(
+        "between", BetweenSentences, "between", "not between",
+        lambda domain: between_of(domain) is not None,
+    ),
+    Construct(
+        "distances", DistanceSentences, "distances", "no distances",
+        lambda domain: domain.distances is not None,
+    ),
+    Construct(
+        "shifts", ShiftSentences, "shifts", "no shifts",
+        lambda domain: domain.distances is not None,
+    ),
+)  # fmt: skip
 
 
-def say_lists(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`LIST_COUNT` sentences that list what is moved, and as many that list nothing so, by the name
-    of their set."""
-    sentences = ListedSentences(domain, generator(seed, "listed", 0))
-    return {
-        "lists": [sentences.draw() for _ in range(LIST_COUNT)],
-        "no lists": [(sentences.near_miss(), None) for _ in range(LIST_COUNT)],
-    }
-
-
-def say_exceptions(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`EXCEPTION_COUNT` sentences that leave something out, and as many that leave nothing out that
-    is meant, by the name of their set."""
-    sentences = ExceptionSentences(domain, generator(seed, "exceptions", 0))
-    return {
-        "exceptions": [sentences.draw() for _ in range(EXCEPTION_COUNT)],
-        "no exceptions": [(sentences.near_miss(), None) for _ in range(EXCEPTION_COUNT)],
-    }
-
-
-def say_repairs(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`REPAIR_COUNT` sentences in which something is taken back or ruled out, and as many of which
-    nobody can tell what is meant, by the name of their set."""
-    sentences = RepairSentences(domain, generator(seed, "repairs", 0))
-    return {
-        "repairs": [sentences.draw() for _ in range(REPAIR_COUNT)],
-        "no repairs": [(sentences.near_miss(), None) for _ in range(REPAIR_COUNT)],
-    }
-
-
-def say_sequences(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`SEQUENCE_COUNT` sentences of two steps in another order than that in which they are carried
-    out, and as many whose steps have no such order, by the name of their set."""
-    sentences = SequenceSentences(domain, generator(seed, "sequences", 0))
-    return {
-        "order of time": [sentences.draw() for _ in range(SEQUENCE_COUNT)],
-        "no order of time": [(sentences.near_miss(), None) for _ in range(SEQUENCE_COUNT)],
-    }
-
-
-def say_ordinals(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`ORDINAL_COUNT` sentences that count, and as many that count nothing, by the name of their
-    set."""
-    sentences = OrdinalSentences(domain, generator(seed, "ordinals", 0))
-    return {
-        "ordinals": [sentences.draw() for _ in range(ORDINAL_COUNT)],
-        "no ordinals": [(sentences.near_miss(), None) for _ in range(ORDINAL_COUNT)],
-    }
-
-
-def say_arranged(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`ARRANGED_COUNT` sentences about towers and rows, and as many that mean none, by the name of
+def say_construct(construct: Construct, domain: Domain, seed: int) -> dict[str, Sentences]:
+    """`CONSTRUCT_COUNT` sentences of a construct, and as many that must be refused, by the name of
     their set."""
-    sentences = ArrangedSentences(domain, generator(seed, "arranged", 0))
+    sentences = construct.sentences(domain, generator(seed, construct.stream, 0))
     return {
-        "towers and rows": [sentences.draw() for _ in range(ARRANGED_COUNT)],
-        "no towers and rows": [(sentences.near_miss(), None) for _ in range(ARRANGED_COUNT)],
-    }
-
-
-def say_on_table(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`TABLE_COUNT` sentences about the table, and as many that mean nothing, by the name of their
-    set."""
-    sentences = TableSentences(domain, generator(seed, "on_table", 0))
-    return {
-        "on the table": [sentences.draw() for _ in range(TABLE_COUNT)],
-        "not on the table": [(sentences.near_miss(), None) for _ in range(TABLE_COUNT)],
-    }
-
-
-def say_compounds(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`COMPOUND_COUNT` sentences with compounds, and as many that mean nothing, by the name of
-    their set."""
-    sentences = CompoundSentences(domain, generator(seed, "compounds", 0))
-    return {
-        "next to and diagonally": [sentences.draw() for _ in range(COMPOUND_COUNT)],
-        "not next to": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
-    }
-
-
-def say_between(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`COMPOUND_COUNT` sentences about what is between two objects, and as many that mean nothing,
-    by the name of their set."""
-    sentences = BetweenSentences(domain, generator(seed, "between", 0))
-    return {
-        "between": [sentences.draw() for _ in range(COMPOUND_COUNT)],
-        "not between": [(sentences.near_miss(), None) for _ in range(COMPOUND_COUNT)],
-    }
-
-
-def say_distances(domain: Domain, seed: int) -> dict[str, Sentences]:
-    """`DISTANCE_COUNT` sentences with a distance from a reference, as many with one from where an
-    object is, and as many of each that mean none, by the name of their set."""
-    sentences = DistanceSentences(domain, generator(seed, "distances", 0))
-    shifts = ShiftSentences(domain, generator(seed, "shifts", 0))
-    return {
-        "distances": [sentences.draw() for _ in range(DISTANCE_COUNT)],
-        "no distances": [(sentences.near_miss(), None) for _ in range(DISTANCE_COUNT)],
-        "shifts": [shifts.draw() for _ in range(DISTANCE_COUNT)],
-        "no shifts": [(shifts.near_miss(), None) for _ in range(DISTANCE_COUNT)],
+        construct.name: [sentences.draw() for _ in range(CONSTRUCT_COUNT)],
+        construct.refused: [(sentences.near_miss(), None) for _ in range(CONSTRUCT_COUNT)],
     }
 
 
