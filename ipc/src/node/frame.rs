@@ -24,6 +24,17 @@ pub enum FrameFault {
 
 /// The scene in a frame.
 ///
+/// ```
+/// use nsrm_ipc::message::CameraFrame;
+/// use nsrm_ipc::node::{FrameFault, see};
+/// use nsrm_tabletop::TABLETOP;
+///
+/// // A frame of another process is only used if all of it is valid.
+/// let header = CameraFrame::default();
+/// let fault = see(&TABLETOP, &header, &[]).unwrap_err();
+/// assert!(matches!(fault, FrameFault::Frame(_)), "{fault}");
+/// ```
+///
 /// * `image`: the bytes after the frame's header; only those of the crops are read
 pub fn see(
     model: &Model<'_>,

@@ -3,6 +3,28 @@
 use crate::message::Heartbeat;
 
 /// Another node, as known from its heartbeats.
+///
+/// ```
+/// use nsrm_ipc::message::{Heartbeat, Role, State};
+/// use nsrm_ipc::node::Peer;
+///
+/// let silence_ns = 350_000_000;
+/// let mut controller = Peer::default();
+/// let heartbeat = Heartbeat {
+///     sequence: 1,
+///     timestamp_ns: 1_000_000_000,
+///     started_ns: 900_000_000,
+///     rejected: 0,
+///     role: Role::Controller as u32,
+///     state: State::Idle as u32,
+/// };
+/// assert!(!controller.hear(&heartbeat, 1_000_000_000));
+/// assert!(controller.may_be_alive(0, silence_ns, 1_200_000_000));
+/// assert!(!controller.may_be_alive(0, silence_ns, 1_400_000_000));
+/// // It was started again.
+/// let heartbeat = Heartbeat { started_ns: 1_450_000_000, ..heartbeat };
+/// assert!(controller.hear(&heartbeat, 1_500_000_000));
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Peer {
     /// When it was started and when its last heartbeat arrived, if any.

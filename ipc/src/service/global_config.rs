@@ -12,6 +12,17 @@ use rustix::fs::{MemfdFlags, memfd_create};
 /// iceoryx2 0.10 searches for the remains of nodes that were killed before they had recorded their
 /// configuration in the global location of the searching process; without this, such files stay for
 /// ever. The global configuration can be set only by a file.
+///
+/// ```no_run
+/// use iceoryx2::config::Config;
+/// use nsrm_ipc::service::set_global_config;
+///
+/// let mut config = Config::default();
+/// config.global.prefix = "left_".try_into().expect("a valid name");
+/// // First of all: it is refused once anything has used the global configuration.
+/// set_global_config(&config)?;
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn set_global_config(config: &Config) -> io::Result<()> {
     let (root, prefix) = (config.global.root_path(), config.global.prefix);
     let text = format!(
